@@ -1,0 +1,1 @@
+//! Takes pixel rows, makes a file.

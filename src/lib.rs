@@ -1,0 +1,30 @@
+//! Exact anti-aliasing of 2D vector cartoons.
+//!
+//! The journey from SVG to pixel is the module list, read downwards; calls go down it, never up.
+//!
+//! | module | takes → makes |
+//! |---|---|
+//! | [`scene`] | SVG bytes → [`Scene`]: depth-ordered shapes, their paint, clips and groups |
+//! | [`render`] | [`Scene`] + [`Viewport`] + [`Settings`] → pixel rows; the only file that knows the order of the stages |
+//! | [`pixmap`] | rows of pixels → [`Pixmap`] |
+//! | [`encode`] | rows of pixels → PNG |
+//! | [`reference`] | the same drawing computed another way, slowly: the truth the tests compare with |
+#![forbid(unsafe_code)]
+#![warn(missing_docs)]
+
+pub mod encode;
+pub mod error;
+pub mod pixmap;
+pub mod reference;
+pub mod render;
+pub mod scene;
+
+pub use error::Error;
+pub use pixmap::Pixmap;
+pub use render::{Method, Renderer, Settings, Stages, Viewport};
+pub use scene::{Options, Scene, Warning};
+
+/// The geometry types of the public interface ([`kurbo::Affine`] and friends).
+pub use kurbo;
+/// The SVG parser whose trees [`Scene::from_tree`] takes.
+pub use usvg;
