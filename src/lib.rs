@@ -12,12 +12,36 @@
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
-pub mod encode;
-pub mod error;
-pub mod pixmap;
-pub mod reference;
-pub mod render;
 pub mod scene;
+
+pub mod render;
+
+mod outlines;
+
+mod polygons;
+
+mod edges;
+
+mod band;
+
+mod strips;
+
+mod sweep;
+
+mod clip;
+
+mod cel;
+
+mod pixel;
+
+pub mod pixmap;
+
+pub mod encode;
+
+pub mod error;
+pub mod reference;
+
+mod bitmap;
 
 pub use error::Error;
 pub use pixmap::Pixmap;

@@ -1,7 +1,21 @@
 //! Takes a [`Scene`], makes pixel rows: calls the stages in their order, and alone knows it.
+//!
+//! The stages: place the outlines and sort them into bands ([`crate::outlines`]); then for each band,
+//! on any thread, from the front: flatten ([`crate::polygons`]), sort in y ([`crate::edges`]), clip to
+//! strips and file in x-buckets ([`crate::strips`]), sweep into solid runs and fragments
+//! ([`crate::sweep`]), keep what is seen in z-lists ([`crate::cel`]), and resolve those
+//! ([`crate::pixel`]). Bands come out from the top.
 
+use crate::band::{band_count, BandRenderer, Picture};
+use crate::cel::Rows;
+use crate::edges::{BAND_ROWS, LARGEST_SIDE};
+use crate::outlines::{BandLists, Outlines};
+use crate::pixel::resolve::Surroundings;
+use crate::scene::paint::{Paint, Sheet};
 use crate::{Error, Pixmap, Scene};
-use std::time::Duration;
+use rayon::prelude::*;
+use std::sync::Mutex;
+use std::time::{Duration, Instant};
 
 /// A way of anti-aliasing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -31,16 +45,21 @@ pub struct Settings {
 
 impl Default for Settings {
     fn default() -> Self {
-        Settings { method: Method::Exact, tolerance: 0.1, linear: false, background: None, threads: 0 }
+        Settings { method: Method::Exact, tolerance: Settings::DEFAULT_TOLERANCE, linear: false, background: None, threads: 0 }
     }
+}
+
+impl Settings {
+    /// Keeps every pixel within one 8-bit level of the true curve's area.
+    pub const DEFAULT_TOLERANCE: f64 = 0.004;
 }
 
 /// The part of the plane that the picture shows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Viewport {
-    /// Columns of the picture, at least 1.
+    /// Columns of the picture, 1 ..= 65,535.
     pub width: u32,
-    /// Rows of the picture, at least 1.
+    /// Rows of the picture, 1 ..= 65,535.
     pub height: u32,
     /// From the scene's user units to pixels; (0, 0) is the top left corner of the first pixel.
     pub transform: kurbo::Affine,
@@ -50,8 +69,7 @@ impl Viewport {
     /// The whole drawing on `width` x `height` pixels, stretched where the aspect differs.
     pub fn fit(scene: &Scene, width: u32, height: u32) -> Viewport {
         let size = scene.size();
-        let transform =
-            kurbo::Affine::scale_non_uniform(width as f64 / size.width, height as f64 / size.height);
+        let transform = kurbo::Affine::scale_non_uniform(width as f64 / size.width, height as f64 / size.height);
         Viewport { width, height, transform }
     }
 }
@@ -68,6 +86,11 @@ pub struct Stages {
 /// Renders scenes; keeps its buffers and threads from one picture to the next.
 pub struct Renderer {
     settings: Settings,
+    /// `None` with one thread.
+    pool: Option<rayon::ThreadPool>,
+    /// Idle band renderers for pictures of this size.
+    idle: Mutex<Vec<BandRenderer>>,
+    size: (u32, u32),
     stages: Stages,
 }
 
@@ -77,14 +100,31 @@ impl Renderer {
     /// # Errors
     /// [`Error::Setting`] when a value is out of its range.
     pub fn new(settings: Settings) -> Result<Renderer, Error> {
-        Ok(Renderer { settings, stages: Stages::default() })
+        if !(1e-4..=100.0).contains(&settings.tolerance) {
+            return Err(Error::Setting(format!("tolerance {} is not within 0.0001 and 100 pixels", settings.tolerance)));
+        }
+        let threads = match settings.threads {
+            0 => std::thread::available_parallelism().map_or(1, usize::from),
+            threads => threads,
+        };
+        let pool = match threads {
+            1 => None,
+            _ => Some(
+                rayon::ThreadPoolBuilder::new()
+                    .num_threads(threads)
+                    .build()
+                    .map_err(|e| Error::Setting(format!("{threads} threads cannot be started: {e}")))?,
+            ),
+        };
+        Ok(Renderer { settings, pool, idle: Mutex::default(), size: (0, 0), stages: Stages::default() })
     }
 
     /// Renders into a new picture.
     ///
     /// # Errors
-    /// [`Error::Size`] when the viewport is empty or its transform is not finite.
+    /// [`Error::Size`] when the viewport is empty or too large, or its transform is not finite.
     pub fn render(&mut self, scene: &Scene, viewport: &Viewport) -> Result<Pixmap, Error> {
+        check(viewport)?;
         let mut pixmap = Pixmap::new(viewport.width, viewport.height);
         let stride = pixmap.stride();
         self.render_into(scene, viewport, pixmap.data_mut(), stride)?;
@@ -103,18 +143,22 @@ impl Renderer {
         buffer: &mut [u8],
         stride: usize,
     ) -> Result<(), Error> {
-        let mut at = 0;
-        self.render_bands(scene, viewport, |rows| {
-            for row in rows.chunks_exact(viewport.width as usize * 4) {
-                buffer[at..at + row.len()].copy_from_slice(row);
-                at += stride;
-            }
+        check(viewport)?;
+        let Viewport { width, height, .. } = *viewport;
+        let row = width as usize * Pixmap::BYTES_PER_PIXEL;
+        let needed = stride.max(row).saturating_mul(height as usize - 1).saturating_add(row);
+        if stride < row || buffer.len() < needed {
+            return Err(Error::Buffer { width, height, needed, given: buffer.len() });
+        }
+        let bands = band_count(height);
+        self.prepare(scene, viewport, |renderer, picture, _| {
+            renderer.bands(picture, height, 0..bands, buffer, stride);
             Ok(())
         })
     }
 
-    /// Renders band by band, from the top: `sink` is given each band's rows without padding, and the
-    /// whole picture is never in memory.
+    /// Renders band by band, from the top: `sink` is given each time some whole rows without padding,
+    /// and the whole picture is never in memory.
     ///
     /// # Errors
     /// As [`Renderer::render`], and what `sink` returns.
@@ -124,16 +168,168 @@ impl Renderer {
         viewport: &Viewport,
         mut sink: impl FnMut(&[u8]) -> Result<(), Error>,
     ) -> Result<(), Error> {
-        let _ = scene;
-        let rows = vec![
-            self.settings.background.map_or(0, |c| c[3]);
-            viewport.width as usize * 4 * viewport.height as usize
-        ];
-        sink(&rows)
+        check(viewport)?;
+        let Viewport { width, height, .. } = *viewport;
+        let stride = width as usize * Pixmap::BYTES_PER_PIXEL;
+        let at_once = 4 * self.pool.as_ref().map_or(1, rayon::ThreadPool::current_num_threads);
+        let bands = band_count(height);
+        let mut buffer = vec![0; stride * (at_once * BAND_ROWS as usize).min(height as usize)];
+        let mut first = 0;
+        self.prepare(scene, viewport, |renderer, picture, more| {
+            let last = (first + at_once).min(bands);
+            let rows = (last * BAND_ROWS as usize).min(height as usize) - first * BAND_ROWS as usize;
+            renderer.bands(picture, height, first..last, &mut buffer[..rows * stride], stride);
+            sink(&buffer[..rows * stride])?;
+            first = last;
+            *more = (first < bands).then_some(first);
+            Ok(())
+        })
     }
 
     /// Time and work of each stage of the last picture.
     pub fn stages(&self) -> &Stages {
         &self.stages
     }
+
+    /// Places the scene's outlines, then calls `part` until it no longer says from which band on there
+    /// is more to do.
+    fn prepare(
+        &mut self,
+        scene: &Scene,
+        viewport: &Viewport,
+        mut part: impl FnMut(&Renderer, &Picture, &mut Option<usize>) -> Result<(), Error>,
+    ) -> Result<(), Error> {
+        let start = Instant::now();
+        self.resize(viewport);
+        let mut outlines = Outlines::new(scene, viewport, self.settings.method == Method::None);
+        let bands = BandLists::new(&outlines.shapes, viewport.height);
+        let has_gradients = scene.shapes.iter().any(|shape| matches!(shape.paint, Paint::Gradient(_)));
+        let shader = |paint| match paint {
+            &Paint::Flat(_) => None,
+            Paint::Gradient(gradient) => Some(gradient.shader(viewport.transform)),
+        };
+        let shaders: Vec<_> = match has_gradients {
+            true => scene.shapes.iter().map(|shape| shader(&shape.paint)).collect(),
+            false => Vec::new(),
+        };
+        let background = self.settings.background.map_or(Sheet::CLEAR, |[r, g, b, a]| {
+            Sheet::new([r, g, b].map(|c| f32::from(c) / 255.0), f32::from(a) / 255.0)
+        });
+        let around = Surroundings { shaders: &shaders, background, linear: self.settings.linear };
+        let placed = start.elapsed();
+        let mut more = Some(0);
+        while more.take().is_some() {
+            let picture = Picture {
+                scene,
+                outlines: &outlines,
+                bands: &bands,
+                around: &around,
+                to_pixels: viewport.transform,
+                tolerance: self.settings.tolerance,
+                width: viewport.width,
+            };
+            part(self, &picture, &mut more)?;
+            if let Some(band) = more {
+                outlines.forget_above(band * BAND_ROWS as usize);
+            }
+        }
+        self.stages.times = vec![("place", placed), ("bands", start.elapsed() - placed)];
+        self.stages.counts = self.take_counts();
+        Ok(())
+    }
+
+    /// Drops buffers that do not fit the picture.
+    fn resize(&mut self, viewport: &Viewport) {
+        let size = (viewport.width, viewport.height);
+        if size != self.size {
+            self.idle.get_mut().expect("no thread panicked").clear();
+            self.size = size;
+        }
+    }
+
+    /// Renders some bands into `buffer`, which starts with the first of their rows.
+    fn bands(&self, picture: &Picture, height: u32, bands: std::ops::Range<usize>, buffer: &mut [u8], stride: usize) {
+        let (width, first) = (picture.width, bands.start);
+        let render = |renderer: &mut BandRenderer, (i, bytes): (usize, &mut [u8])| {
+            let top = (first + i) as u32 * BAND_ROWS;
+            let count = (height - top).min(BAND_ROWS) as usize;
+            renderer.render(picture, first + i, Rows { bytes, stride, top, count });
+        };
+        let chunk = stride * BAND_ROWS as usize;
+        let take = || self.idle.lock().expect("no thread panicked").pop();
+        let idle = || Returned { renderer: take().or_else(|| Some(BandRenderer::new(width, height))), to: &self.idle };
+        match &self.pool {
+            None => {
+                let mut renderer = idle();
+                let chunks = buffer.chunks_mut(chunk).enumerate();
+                chunks.take(bands.len()).for_each(|band| render(renderer.get(), band));
+            }
+            Some(pool) => pool.install(|| {
+                let chunks = buffer.par_chunks_mut(chunk).enumerate();
+                chunks.take(bands.len()).for_each_init(idle, |renderer, band| render(renderer.get(), band));
+            }),
+        }
+    }
+
+    fn take_counts(&self) -> Vec<(&'static str, u64)> {
+        let mut sums = [0u64; 8];
+        for renderer in self.idle.lock().expect("no thread panicked").iter_mut() {
+            let counts = std::mem::take(&mut renderer.resolver.counts);
+            let sweep = &mut renderer.sweep;
+            let all = [
+                counts.one_fragment,
+                counts.tiled,
+                counts.split,
+                counts.sampled,
+                std::mem::take(&mut sweep.integrated),
+                std::mem::take(&mut sweep.sampled),
+                renderer.resolver.take_nodes(),
+                std::mem::take(&mut renderer.hidden),
+            ];
+            sums.iter_mut().zip(all).for_each(|(sum, count)| *sum += count);
+        }
+        let names = [
+            "pixels_one_fragment",
+            "pixels_tiled",
+            "pixels_split",
+            "pixels_sampled",
+            "fragments_integrated",
+            "fragments_sampled",
+            "split_nodes",
+            "hidden_shapes",
+        ];
+        names.into_iter().zip(sums).collect()
+    }
+}
+
+/// A band renderer that goes back to the idle ones when dropped.
+struct Returned<'a> {
+    renderer: Option<BandRenderer>,
+    to: &'a Mutex<Vec<BandRenderer>>,
+}
+
+impl Returned<'_> {
+    fn get(&mut self) -> &mut BandRenderer {
+        self.renderer.as_mut().expect("it is there until it is dropped")
+    }
+}
+
+impl Drop for Returned<'_> {
+    fn drop(&mut self) {
+        if let (Some(renderer), Ok(mut idle)) = (self.renderer.take(), self.to.lock()) {
+            idle.push(renderer);
+        }
+    }
+}
+
+fn check(viewport: &Viewport) -> Result<(), Error> {
+    let Viewport { width, height, transform } = *viewport;
+    let sides = 1..=LARGEST_SIDE;
+    if !sides.contains(&width) || !sides.contains(&height) {
+        return Err(Error::Size(format!("a picture of {width} x {height} pixels is not within 1 and {LARGEST_SIDE} a side")));
+    }
+    if !transform.is_finite() {
+        return Err(Error::Size("the transform from the drawing to the picture is not finite".into()));
+    }
+    Ok(())
 }

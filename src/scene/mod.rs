@@ -1,6 +1,16 @@
 //! Takes SVG bytes, makes a [`Scene`]: depth-ordered shapes with their paint, clips and groups.
+//!
+//! A scene has no size in pixels: curves stay curves and strokes stay strokes until a picture is
+//! made of them. Shapes are listed back to front, as SVG paints them.
+
+mod convert;
+pub(crate) mod paint;
 
 use crate::Error;
+use kurbo::{Affine, Rect, Size};
+use paint::Paint;
+use std::sync::Arc;
+use usvg::tiny_skia_path::Path;
 
 /// How SVG bytes are read.
 #[derive(Default)]
@@ -22,9 +32,94 @@ pub struct Warning {
 }
 
 /// A drawing, ready to be rendered at any size.
+#[derive(Debug)]
 pub struct Scene {
-    size: kurbo::Size,
+    size: Size,
+    bounding_box: Option<Rect>,
     warnings: Vec<Warning>,
+    /// Back to front.
+    pub(crate) shapes: Vec<Shape>,
+    /// A clip stands behind the clips it refers to.
+    pub(crate) clips: Vec<Clip>,
+    /// Groups that composite as one; number 0 is the picture itself. Parents stand before children.
+    pub(crate) groups: Vec<Group>,
+}
+
+/// One flat region of the drawing: a fill or the outline of a stroke.
+#[derive(Clone, Debug)]
+pub(crate) struct Shape {
+    pub geometry: Geometry,
+    pub paint: Paint,
+    /// Only what lies inside this clip is seen.
+    pub clip: Option<ClipId>,
+    /// The innermost group that composites as one.
+    pub group: GroupId,
+}
+
+/// Where a shape is, before it is flattened.
+#[derive(Clone, Debug)]
+pub(crate) struct Geometry {
+    pub path: Arc<Path>,
+    /// From the path's coordinates to the scene's user units.
+    pub transform: Affine,
+    pub outline: Outline,
+    /// Not anti-aliased (`shape-rendering: crispEdges`).
+    pub crisp: bool,
+}
+
+/// What of a path is filled.
+#[derive(Clone, Debug)]
+pub(crate) enum Outline {
+    /// The inside, by this rule.
+    Fill(FillRule),
+    /// The line along it; widths and dashes in the path's coordinates.
+    Stroke(Box<kurbo::Stroke>),
+}
+
+/// Which winding numbers are inside (SVG 2, 13.3.1).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum FillRule {
+    NonZero,
+    EvenOdd,
+}
+
+impl FillRule {
+    /// Is a point with this winding number inside?
+    #[inline]
+    pub fn inside(self, winding: i32) -> bool {
+        match self {
+            FillRule::NonZero => winding != 0,
+            FillRule::EvenOdd => winding & 1 != 0,
+        }
+    }
+}
+
+/// Index into [`Scene::clips`].
+pub(crate) type ClipId = u32;
+/// Index into [`Scene::groups`].
+pub(crate) type GroupId = u32;
+
+/// A region that shapes are clipped to: the union of its members, within the clips it refers to.
+#[derive(Clone, Debug)]
+pub(crate) struct Clip {
+    pub members: Vec<ClipMember>,
+    /// All of these apply as well: the clip of an outer group, and the `clip-path` of the clip itself.
+    pub within: Vec<ClipId>,
+}
+
+/// One shape of a clip, perhaps clipped itself.
+#[derive(Clone, Debug)]
+pub(crate) struct ClipMember {
+    pub geometry: Geometry,
+    pub clip: Option<ClipId>,
+}
+
+/// Shapes that composite into one before they meet what is below (SVG's isolated group opacity).
+#[derive(Clone, Debug)]
+pub(crate) struct Group {
+    pub parent: GroupId,
+    /// 0 ..= 1.
+    pub opacity: f32,
 }
 
 impl Scene {
@@ -40,12 +135,9 @@ impl Scene {
     /// Takes a tree that usvg has parsed already.
     ///
     /// # Errors
-    /// [`Error::Limit`] when the tree is nested too deep.
+    /// [`Error::Limit`] when opacity groups are nested too deep.
     pub fn from_tree(tree: &usvg::Tree) -> Result<Scene, Error> {
-        Ok(Scene {
-            size: kurbo::Size::new(tree.size().width() as f64, tree.size().height() as f64),
-            warnings: Vec::new(),
-        })
+        convert::scene(tree, None)
     }
 
     /// Only the element with this id, with its own transform but not its parents' clips and opacity.
@@ -53,19 +145,21 @@ impl Scene {
     /// # Errors
     /// [`Error::Element`] when there is no such element or it draws nothing.
     pub fn from_element(tree: &usvg::Tree, id: &str) -> Result<Scene, Error> {
-        let _ = tree;
-        Err(Error::Element(format!("no element with id '{id}'")))
+        let node = tree
+            .node_by_id(id)
+            .ok_or_else(|| Error::Element(format!("no element with id '{id}' is drawn (--query-all lists them)")))?;
+        convert::scene(tree, Some(node))
     }
 
     /// Width and height of the drawing in user units (CSS px).
-    pub fn size(&self) -> kurbo::Size {
+    pub fn size(&self) -> Size {
         self.size
     }
 
     /// The smallest rectangle around all that is drawn, strokes included, in user units; `None` for
     /// a drawing with nothing in it.
-    pub fn bounding_box(&self) -> Option<kurbo::Rect> {
-        None
+    pub fn bounding_box(&self) -> Option<Rect> {
+        self.bounding_box
     }
 
     /// What the drawing calls for and is not drawn, one entry a kind.

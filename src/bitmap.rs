@@ -1,0 +1,97 @@
+//! One bit for each pixel of a band, and walks over runs of them.
+
+/// Rows of bits, 64 to a word.
+#[derive(Clone, Debug)]
+pub(crate) struct Bitmap {
+    words: usize,
+    bits: Vec<u64>,
+}
+
+impl Bitmap {
+    /// All bits 0.
+    pub fn new(columns: usize, rows: usize) -> Bitmap {
+        let words = columns.div_ceil(64);
+        Bitmap { words, bits: vec![0; words * rows] }
+    }
+
+    /// Makes all bits 0.
+    pub fn clear(&mut self) {
+        self.bits.fill(0);
+    }
+
+    /// Takes over another of the same size.
+    pub fn copy_from(&mut self, other: &Bitmap) {
+        self.bits.copy_from_slice(&other.bits);
+    }
+
+    #[inline]
+    pub fn row(&self, row: usize) -> &[u64] {
+        &self.bits[row * self.words..(row + 1) * self.words]
+    }
+
+    #[inline]
+    pub fn row_mut(&mut self, row: usize) -> &mut [u64] {
+        &mut self.bits[row * self.words..(row + 1) * self.words]
+    }
+
+    #[inline]
+    pub fn get(&self, row: usize, column: usize) -> bool {
+        self.bits[row * self.words + column / 64] >> (column % 64) & 1 != 0
+    }
+
+    #[inline]
+    pub fn set(&mut self, row: usize, column: usize) {
+        self.bits[row * self.words + column / 64] |= 1 << (column % 64);
+    }
+
+    /// Are all bits of columns [from, to) 1?
+    pub fn all_set(&self, row: usize, from: usize, to: usize) -> bool {
+        let words = self.row(row);
+        word_masks(from, to).all(|(word, mask)| words[word] & mask == mask)
+    }
+}
+
+/// The words that hold columns [from, to), each with the mask of those columns.
+#[inline]
+pub(crate) fn word_masks(from: usize, to: usize) -> impl Iterator<Item = (usize, u64)> {
+    (from / 64..to.div_ceil(64)).map(move |word| {
+        let low = from.saturating_sub(word * 64);
+        let high = (to - word * 64).min(64);
+        (word, (u64::MAX << low) & (u64::MAX >> (64 - high)))
+    })
+}
+
+/// Calls `take` with each run [from, to) of set bits in one word; columns count from the word's first.
+#[inline]
+pub(crate) fn for_runs(mut bits: u64, mut take: impl FnMut(usize, usize)) {
+    while bits != 0 {
+        let from = bits.trailing_zeros();
+        let to = from + (!(bits >> from)).trailing_zeros().min(64 - from);
+        take(from as usize, to as usize);
+        bits &= if to == 64 { 0 } else { u64::MAX << to };
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn masks_cover_exactly_the_columns() {
+        for (from, to) in [(0, 1), (0, 64), (63, 65), (5, 200), (64, 128), (70, 70)] {
+            let mut columns = Vec::new();
+            for (word, mask) in word_masks(from, to) {
+                for_runs(mask, |a, b| columns.extend(word * 64 + a..word * 64 + b));
+            }
+            assert_eq!(columns, (from..to).collect::<Vec<_>>());
+        }
+    }
+
+    #[test]
+    fn runs_of_a_word_are_found_in_order() {
+        let mut runs = Vec::new();
+        for_runs(0b1011 | 1 << 63, |a, b| runs.push((a, b)));
+        assert_eq!(runs, [(0, 2), (3, 4), (63, 64)]);
+        for_runs(u64::MAX, |a, b| assert_eq!((a, b), (0, 64)));
+    }
+}

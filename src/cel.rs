@@ -1,0 +1,312 @@
+//! Takes solid runs and fragments front to back, keeps what is seen of them: a cel is one group's
+//! picture of one band, with a z-list for every pixel in which borders lie over one another.
+//!
+//! A pixel is in one of these states, each a bit in a bitmap:
+//!
+//! | finished | touched | listed | |
+//! |---|---|---|---|
+//! | 0 | 0 | 0 | nothing drawn yet |
+//! | 1 | 0 | 0 | done; its colour stands in the picture |
+//! | 0 or 1 | 1 | 0 | uniform so far: `sheets` holds all that was drawn |
+//! | 0 or 1 | 1 | 1 | `sheets` holds what lies in front, the z-list goes on from there |
+//!
+//! Promises: a finished pixel is never visited again, and no entry is kept behind an opaque solid run.
+
+use crate::bitmap::{for_runs, word_masks, Bitmap};
+use crate::edges::BAND_ROWS;
+use crate::pixel::resolve::{Node, Resolver, NEGLIGIBLE};
+use crate::scene::paint::{Shader, Sheet};
+
+/// No entry, or the end of a list.
+const NO_ENTRY: u32 = u32::MAX;
+
+/// The node of an entry that covers the whole pixel.
+const WHOLE: u32 = u32::MAX;
+
+/// One element of a z-list.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Entry {
+    /// The one behind.
+    next: u32,
+    /// Where in the pixel it is, or [`WHOLE`].
+    node: u32,
+    kind: Kind,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Kind {
+    Sheet(Sheet),
+    /// A shape's number.
+    Gradient(u32),
+    GroupStart(f32),
+    GroupEnd,
+}
+
+/// What a shape is painted with, at the picture's scale.
+#[derive(Clone, Copy)]
+pub(crate) enum Brush<'a> {
+    Flat(Sheet),
+    Gradient { shape: u32, shader: &'a Shader<'a>, opaque: bool },
+}
+
+impl Brush<'_> {
+    fn is_opaque(&self) -> bool {
+        match self {
+            Brush::Flat(sheet) => sheet.is_opaque(),
+            Brush::Gradient { opaque, .. } => *opaque,
+        }
+    }
+
+    /// The colour at a pixel's centre.
+    #[inline]
+    fn at(&self, x: usize, y: u32) -> Sheet {
+        match self {
+            Brush::Flat(sheet) => *sheet,
+            Brush::Gradient { shader, .. } => shader.at(x as f64 + 0.5, f64::from(y) + 0.5),
+        }
+    }
+
+    fn kind(&self) -> Kind {
+        match self {
+            Brush::Flat(sheet) => Kind::Sheet(*sheet),
+            Brush::Gradient { shape, .. } => Kind::Gradient(*shape),
+        }
+    }
+}
+
+/// Rows of the picture that a band writes to.
+pub(crate) struct Rows<'a> {
+    pub bytes: &'a mut [u8],
+    /// Bytes from row to row.
+    pub stride: usize,
+    /// The picture's row that comes first here.
+    pub top: u32,
+    /// How many there are.
+    pub count: usize,
+}
+
+impl Rows<'_> {
+    #[inline]
+    pub fn row(&mut self, row: usize, width: usize) -> &mut [[u8; 4]] {
+        let bytes = &mut self.bytes[row * self.stride..][..width * 4];
+        bytes.as_chunks_mut().0
+    }
+}
+
+/// One group's picture of one band.
+pub(crate) struct Cel {
+    width: usize,
+    pub opacity: f32,
+    pub finished: Bitmap,
+    touched: Bitmap,
+    listed: Bitmap,
+    sheets: Vec<Sheet>,
+    /// First and last entry of each pixel's z-list.
+    lists: Vec<(u32, u32)>,
+}
+
+impl Cel {
+    pub fn new(width: u32) -> Cel {
+        let (width, rows) = (width as usize, BAND_ROWS as usize);
+        let bitmap = Bitmap::new(width, rows);
+        Cel {
+            width,
+            opacity: 1.0,
+            finished: bitmap.clone(),
+            touched: bitmap.clone(),
+            listed: bitmap,
+            sheets: vec![Sheet::CLEAR; width * rows],
+            lists: vec![(NO_ENTRY, NO_ENTRY); width * rows],
+        }
+    }
+
+    /// Makes all pixels new.
+    pub fn clear(&mut self) {
+        self.opacity = 1.0;
+        self.finished.clear();
+        self.touched.clear();
+        self.listed.clear();
+    }
+
+    /// Makes it the cel of a group inside `parent`: what is finished there needs nothing here.
+    pub fn open_in(&mut self, parent: &Cel, opacity: f32) {
+        self.clear();
+        self.opacity = opacity;
+        self.finished.copy_from(&parent.finished);
+    }
+
+    /// Paints pixels [from, to) of a row, behind all that was painted before. Opaque paint on new
+    /// pixels goes to `picture` at once, where there is one.
+    pub fn solid(
+        &mut self,
+        row: usize,
+        (from, to): (usize, usize),
+        brush: &Brush,
+        top: u32,
+        mut picture: Option<&mut Rows>,
+        entries: &mut Vec<Entry>,
+    ) {
+        let opaque = brush.is_opaque();
+        let y = top + row as u32;
+        for (word, mask) in word_masks(from, to) {
+            let open = mask & !self.finished.row(row)[word];
+            if open == 0 {
+                continue;
+            }
+            let touched = open & self.touched.row(row)[word];
+            let listed = touched & self.listed.row(row)[word];
+            let (first, start) = (word * 64, row * self.width);
+            let fresh = open & !touched;
+            match (&mut picture, opaque) {
+                (Some(picture), true) => for_runs(fresh, |a, b| {
+                    let pixels = &mut picture.row(row, self.width)[first + a..first + b];
+                    match brush {
+                        Brush::Flat(sheet) => pixels.fill(sheet.to_rgba8()),
+                        Brush::Gradient { .. } => {
+                            for (i, pixel) in pixels.iter_mut().enumerate() {
+                                *pixel = brush.at(first + a + i, y).to_rgba8();
+                            }
+                        }
+                    }
+                }),
+                _ => {
+                    for_runs(fresh, |a, b| {
+                        let sheets = &mut self.sheets[start + first + a..start + first + b];
+                        for (i, sheet) in sheets.iter_mut().enumerate() {
+                            *sheet = brush.at(first + a + i, y);
+                        }
+                    });
+                    self.touched.row_mut(row)[word] |= fresh;
+                }
+            }
+            let mut saturated = 0;
+            for_runs(touched & !listed, |a, b| {
+                let sheets = &mut self.sheets[start + first + a..start + first + b];
+                for (i, sheet) in sheets.iter_mut().enumerate() {
+                    *sheet = sheet.over(brush.at(first + a + i, y));
+                    saturated |= u64::from(sheet.through < NEGLIGIBLE) << (a + i);
+                }
+            });
+            for_runs(listed, |a, b| {
+                for x in first + a..first + b {
+                    self.append_whole(start + x, brush, entries);
+                }
+            });
+            self.finished.row_mut(row)[word] |= if opaque { open } else { saturated };
+        }
+    }
+
+    /// Paints a part of one pixel, behind all that was painted before.
+    pub fn part(&mut self, row: usize, x: usize, node: u32, brush: &Brush, entries: &mut Vec<Entry>) {
+        if self.finished.get(row, x) {
+            return;
+        }
+        self.start_list(row, x);
+        let entry = Entry { next: NO_ENTRY, node, kind: brush.kind() };
+        self.append(row * self.width + x, entry, entries);
+    }
+
+    fn start_list(&mut self, row: usize, x: usize) {
+        let pixel = row * self.width + x;
+        if !self.touched.get(row, x) {
+            self.touched.set(row, x);
+            self.sheets[pixel] = Sheet::CLEAR;
+        }
+        if !self.listed.get(row, x) {
+            self.listed.set(row, x);
+            self.lists[pixel] = (NO_ENTRY, NO_ENTRY);
+        }
+    }
+
+    fn append(&mut self, pixel: usize, entry: Entry, entries: &mut Vec<Entry>) {
+        let at = entries.len() as u32;
+        entries.push(entry);
+        let (first, last) = &mut self.lists[pixel];
+        match *last {
+            NO_ENTRY => *first = at,
+            last => entries[last as usize].next = at,
+        }
+        *last = at;
+    }
+
+    /// A whole sheet behind another is one sheet.
+    fn append_whole(&mut self, pixel: usize, brush: &Brush, entries: &mut Vec<Entry>) {
+        let kind = brush.kind();
+        let last = self.lists[pixel].1;
+        if let (Kind::Sheet(behind), Some(Entry { node: WHOLE, kind: Kind::Sheet(front), .. })) =
+            (kind, entries.get_mut(last as usize))
+        {
+            *front = front.over(behind);
+            return;
+        }
+        self.append(pixel, Entry { next: NO_ENTRY, node: WHOLE, kind }, entries);
+    }
+
+    /// Puts a finished group behind all that was painted before.
+    pub fn take_group(&mut self, group: &Cel, top: u32, rows: usize, entries: &mut Vec<Entry>) {
+        for row in 0..rows {
+            for word in 0..group.touched.row(row).len() {
+                let touched = group.touched.row(row)[word] & !self.finished.row(row)[word];
+                let listed = touched & group.listed.row(row)[word];
+                for_runs(touched & !listed, |a, b| {
+                    for x in word * 64 + a..word * 64 + b {
+                        let sheet = group.sheets[row * self.width + x].faded(group.opacity);
+                        self.solid(row, (x, x + 1), &Brush::Flat(sheet), top, None, entries);
+                    }
+                });
+                for_runs(listed, |a, b| {
+                    for x in word * 64 + a..word * 64 + b {
+                        self.take_list(group, row, x, entries);
+                    }
+                });
+            }
+        }
+    }
+
+    fn take_list(&mut self, group: &Cel, row: usize, x: usize, entries: &mut Vec<Entry>) {
+        let pixel = row * self.width + x;
+        self.start_list(row, x);
+        let mark = |kind| Entry { next: NO_ENTRY, node: WHOLE, kind };
+        self.append(pixel, mark(Kind::GroupStart(group.opacity)), entries);
+        if group.sheets[pixel] != Sheet::CLEAR {
+            self.append(pixel, mark(Kind::Sheet(group.sheets[pixel])), entries);
+        }
+        let (first, last) = group.lists[pixel];
+        let mine = self.lists[pixel].1;
+        entries[mine as usize].next = first;
+        self.lists[pixel].1 = last;
+        self.append(pixel, mark(Kind::GroupEnd), entries);
+    }
+
+    /// The state of 64 pixels of a row: finished in the picture, uniform, with a z-list.
+    pub fn states(&self, row: usize, word: usize) -> (u64, u64, u64) {
+        let touched = self.touched.row(row)[word];
+        let listed = self.listed.row(row)[word];
+        (self.finished.row(row)[word] & !touched, touched & !listed, listed)
+    }
+
+    /// All that was painted on a uniform pixel.
+    pub fn sheet(&self, row: usize, x: usize) -> Sheet {
+        self.sheets[row * self.width + x]
+    }
+
+    /// Gives a pixel's z-list to the resolver, front to back.
+    pub fn read_list(&self, row: usize, x: usize, entries: &[Entry], nodes: &[Node], resolver: &mut Resolver) {
+        let pixel = row * self.width + x;
+        resolver.clear();
+        if self.sheets[pixel] != Sheet::CLEAR {
+            resolver.push_sheet(self.sheets[pixel], None, nodes);
+        }
+        let mut next = self.lists[pixel].0;
+        while let Some(entry) = entries.get(next as usize) {
+            let node = (entry.node != WHOLE).then_some(entry.node);
+            match entry.kind {
+                Kind::Sheet(sheet) => resolver.push_sheet(sheet, node, nodes),
+                Kind::Gradient(shape) => resolver.push_gradient(shape, node, nodes),
+                Kind::GroupStart(opacity) => resolver.start_group(opacity),
+                Kind::GroupEnd => resolver.end_group(),
+            }
+            next = entry.next;
+        }
+    }
+}

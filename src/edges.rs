@@ -1,0 +1,169 @@
+//! Takes the lines of one shape, makes edges in fixed point, sorted in y into bands.
+//!
+//! Promises: a line between two points is the same [`Edge`] whichever way it was drawn; its direction
+//! is kept as the sign of its winding. Nothing outside the picture is kept, but for what its winding
+//! does to the pixels right of it.
+
+use kurbo::Point;
+
+/// Binary digits behind the point: 14 keep a vertex within 1/32768 px of its place, which moves a
+/// pixel's area by .01 of an 8-bit level at most.
+pub(crate) const FRACTION_BITS: u32 = 14;
+/// One pixel in fixed point.
+pub(crate) const ONE: i32 = 1 << FRACTION_BITS;
+/// Rows of one band: a strip of the picture that one thread makes at a time.
+pub(crate) const BAND_ROWS: u32 = 16;
+/// Largest picture side in pixels. Coordinates are cut off a little beyond, where they still fit.
+pub(crate) const LARGEST_SIDE: u32 = 65_535;
+
+/// Coordinates are cut off here, in pixels.
+const GUARD: f64 = 100_000.0;
+
+/// A straight piece of a shape's border in fixed point pixels, always from the upper end to the lower
+/// (from left to right when horizontal).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Edge {
+    pub x0: i32,
+    pub y0: i32,
+    pub x1: i32,
+    pub y1: i32,
+    /// What crossing it from left to right adds to the winding number: 1 when drawn downwards
+    /// (rightwards), -1 when drawn upwards (leftwards).
+    pub winding: i32,
+}
+
+/// A shape's edges, still in the order of its outline.
+pub(crate) struct EdgeList {
+    edges: Vec<Edge>,
+    width: f64,
+    height: f64,
+}
+
+impl EdgeList {
+    /// For a picture of this many pixels.
+    pub fn new(width: u32, height: u32) -> EdgeList {
+        EdgeList { edges: Vec::new(), width: width.into(), height: height.into() }
+    }
+
+    /// Is a curve in this hull as good as the line between its ends? So it is when it lies above,
+    /// below or right of the picture, where nothing counts, or left of it, where only winding does.
+    pub fn sees_no_curve(&self, hull: &[Point]) -> bool {
+        let all = |outside: &dyn Fn(&Point) -> bool| hull.iter().all(outside);
+        all(&|p| p.y <= 0.0) || all(&|p| p.y >= self.height) || all(&|p| p.x >= self.width) || all(&|p| p.x <= 0.0)
+    }
+
+    /// Adds the line from `from` to `to`, both in pixels. A point that is not a number adds nothing.
+    pub fn line(&mut self, from: Point, to: Point) {
+        let (a, b, winding) = if (from.y, from.x) <= (to.y, to.x) { (from, to, 1) } else { (to, from, -1) };
+        let outside = b.y < 0.0 || a.y >= self.height || (a.x >= self.width && b.x >= self.width);
+        if outside || !(a.x + a.y + b.x + b.y).is_finite() {
+            return;
+        }
+        let within = |p: Point| p.x.abs() <= GUARD && p.y.abs() <= GUARD;
+        if within(a) && within(b) {
+            self.push(a, b, winding);
+        } else {
+            self.cut_to_guard(a, b, winding);
+        }
+    }
+
+    /// Cuts a long line to the guard rectangle. What lies left of it runs along its left side, since
+    /// it still winds round the pixels.
+    fn cut_to_guard(&mut self, a: Point, b: Point, winding: i32) {
+        let at_y = |y: f64| Point::new(a.x + (b.x - a.x) * ((y - a.y) / (b.y - a.y)), y);
+        let at_x = |x: f64| Point::new(x, a.y + (b.y - a.y) * ((x - a.x) / (b.x - a.x)));
+        let top = if a.y < -GUARD { at_y(-GUARD) } else { a };
+        let bottom = if b.y > GUARD { at_y(GUARD) } else { b };
+        let clamped = |p: Point| Point::new(p.x.clamp(-GUARD, GUARD), p.y.clamp(-GUARD, GUARD));
+        let mut last = top;
+        let mut cuts = [-GUARD, GUARD];
+        if top.x > bottom.x {
+            cuts.reverse();
+        }
+        for x in cuts {
+            if (top.x < x) != (bottom.x < x) {
+                let cut = at_x(x);
+                self.push(clamped(last), clamped(cut), winding);
+                last = cut;
+            }
+        }
+        self.push(clamped(last), clamped(bottom), winding);
+    }
+
+    fn push(&mut self, a: Point, b: Point, winding: i32) {
+        let fixed = |v: f64| (v * f64::from(ONE)).round_ties_even() as i32;
+        let (x0, y0, x1, y1) = (fixed(a.x), fixed(a.y), fixed(b.x), fixed(b.y));
+        if (x0, y0) == (x1, y1) {
+            return;
+        }
+        // Rounding may have made it horizontal, which has an order of its own.
+        self.edges.push(if y0 == y1 && x0 > x1 {
+            Edge { x0: x1, y0, x1: x0, y1, winding: -winding }
+        } else {
+            Edge { x0, y0, x1, y1, winding }
+        });
+    }
+
+    /// Sorts the edges into bands, and is empty again.
+    pub fn take_banded(&mut self) -> BandedEdges {
+        let bands = (self.height as u32).div_ceil(BAND_ROWS) as i32;
+        let banded = BandedEdges::sort(&self.edges, bands);
+        self.edges.clear();
+        banded
+    }
+}
+
+/// A shape's edges by band; an edge stands in each band that it meets.
+#[derive(Debug, Default)]
+pub(crate) struct BandedEdges {
+    first_band: usize,
+    /// The edges of band `first_band + i` are `edges[starts[i]..starts[i + 1]]`.
+    starts: Vec<u32>,
+    edges: Vec<Edge>,
+}
+
+impl BandedEdges {
+    /// The edges that meet a band.
+    pub fn band(&self, band: usize) -> &[Edge] {
+        let at = band.wrapping_sub(self.first_band);
+        match (self.starts.get(at), self.starts.get(at.wrapping_add(1))) {
+            (Some(&start), Some(&end)) => &self.edges[start as usize..end as usize],
+            _ => &[],
+        }
+    }
+
+    /// Counting sort; `bands` are numbered from the top of the picture.
+    fn sort(edges: &[Edge], bands: i32) -> BandedEdges {
+        let band_of = |y: i32| (y >> FRACTION_BITS).div_euclid(BAND_ROWS as i32);
+        // [y0, y1) and, for the horizontal ones, the row that y0 lies in.
+        let range = |e: &Edge| (band_of(e.y0).max(0), band_of((e.y1 - 1).max(e.y0)).min(bands - 1));
+        let first = edges.iter().map(|e| range(e).0).min().unwrap_or(0);
+        let last = edges.iter().map(|e| range(e).1).max().unwrap_or(-1);
+        if last < first {
+            return BandedEdges::default();
+        }
+        let mut starts = vec![0u32; (last - first + 2) as usize];
+        for edge in edges {
+            let (from, to) = range(edge);
+            for band in from..=to {
+                starts[(band - first + 1) as usize] += 1;
+            }
+        }
+        let mut total = 0;
+        for start in &mut starts {
+            total += *start;
+            *start = total;
+        }
+        let mut next = starts.clone();
+        let mut sorted = vec![Edge { x0: 0, y0: 0, x1: 0, y1: 0, winding: 0 }; total as usize];
+        for edge in edges {
+            let (from, to) = range(edge);
+            for band in from..=to {
+                let at = &mut next[(band - first) as usize];
+                sorted[*at as usize] = *edge;
+                *at += 1;
+            }
+        }
+        BandedEdges { first_band: first as usize, starts, edges: sorted }
+    }
+}

@@ -1,0 +1,142 @@
+//! Takes a scene and a viewport, makes a list of outlines with their bounds in the picture, each to be
+//! flattened when a band first needs it. What is hidden or outside is never flattened or stroked.
+
+use crate::edges::{BandedEdges, EdgeList, BAND_ROWS};
+use crate::polygons::{largest_scale, Flattener};
+use crate::scene::{FillRule, Geometry, Outline, Scene};
+use crate::Viewport;
+use kurbo::{Affine, Rect};
+use std::sync::OnceLock;
+
+/// A shape or clip member at the picture's scale.
+pub(crate) struct PlacedOutline<'a> {
+    geometry: &'a Geometry,
+    pub rule: FillRule,
+    pub crisp: bool,
+    /// Pixels that it may touch, half-open: columns and rows; `None` when there are none.
+    pub bounds: Option<Bounds>,
+    edges: OnceLock<BandedEdges>,
+}
+
+/// Pixels [left, right) x [top, bottom), within the picture.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Bounds {
+    pub left: usize,
+    pub right: usize,
+    pub top: usize,
+    pub bottom: usize,
+}
+
+impl<'a> PlacedOutline<'a> {
+    pub fn new(geometry: &'a Geometry, viewport: &Viewport, all_crisp: bool) -> PlacedOutline<'a> {
+        let rule = match geometry.outline {
+            Outline::Fill(rule) => rule,
+            Outline::Stroke(_) => FillRule::NonZero,
+        };
+        let bounds = bounds(geometry, viewport);
+        PlacedOutline { geometry, rule, crisp: geometry.crisp || all_crisp, bounds, edges: OnceLock::new() }
+    }
+
+    /// The edges, flattened by whoever asks first.
+    pub fn edges(&self, flattener: &mut Flattener, list: &mut EdgeList, to_pixels: Affine, tolerance: f64) -> &BandedEdges {
+        self.edges.get_or_init(|| {
+            flattener.flatten(self.geometry, to_pixels, tolerance, list);
+            list.take_banded()
+        })
+    }
+
+    /// Frees the edges when no band from this row on needs them.
+    pub fn forget_above(&mut self, row: usize) {
+        if self.bounds.is_some_and(|bounds| bounds.bottom <= row) {
+            self.edges.take();
+        }
+    }
+}
+
+/// The bounds of the control points, and of all that a stroke may add around them.
+fn bounds(geometry: &Geometry, viewport: &Viewport) -> Option<Bounds> {
+    let b = geometry.path.bounds();
+    let own = Rect::new(b.left().into(), b.top().into(), b.right().into(), b.bottom().into());
+    let transform = viewport.transform * geometry.transform;
+    let reach = match &geometry.outline {
+        Outline::Fill(_) => 0.0,
+        Outline::Stroke(stroke) => {
+            let miter = if stroke.join == kurbo::Join::Miter { stroke.miter_limit.max(1.0) } else { 1.0 };
+            // A square cap reaches to the corner of a square.
+            0.5 * stroke.width * miter.max(std::f64::consts::SQRT_2) * largest_scale(transform)
+        }
+    };
+    let placed = transform.transform_rect_bbox(own).inflate(reach + 1.0, reach + 1.0);
+    if !(placed.x0 + placed.y0 + placed.x1 + placed.y1).is_finite() {
+        // Coordinates that overflow cannot be placed; lines drop them one by one.
+        return pixels(Rect::new(0.0, 0.0, viewport.width.into(), viewport.height.into()), viewport);
+    }
+    pixels(placed, viewport)
+}
+
+fn pixels(rect: Rect, viewport: &Viewport) -> Option<Bounds> {
+    let (width, height) = (f64::from(viewport.width), f64::from(viewport.height));
+    let bounds = Bounds {
+        left: rect.x0.clamp(0.0, width).floor() as usize,
+        right: rect.x1.clamp(0.0, width).ceil() as usize,
+        top: rect.y0.clamp(0.0, height).floor() as usize,
+        bottom: rect.y1.clamp(0.0, height).ceil() as usize,
+    };
+    (bounds.left < bounds.right && bounds.top < bounds.bottom).then_some(bounds)
+}
+
+/// For each band the shapes that may touch it, front to back.
+pub(crate) struct BandLists {
+    starts: Vec<u32>,
+    shapes: Vec<u32>,
+}
+
+impl BandLists {
+    /// `bounds` gives each shape's, back to front.
+    pub fn new(outlines: &[PlacedOutline], height: u32) -> BandLists {
+        let bands = height.div_ceil(BAND_ROWS) as usize;
+        let range = |bounds: Bounds| bounds.top / BAND_ROWS as usize..=(bounds.bottom - 1) / BAND_ROWS as usize;
+        let mut starts = vec![0u32; bands + 1];
+        for bounds in outlines.iter().filter_map(|outline| outline.bounds) {
+            range(bounds).for_each(|band| starts[band + 1] += 1);
+        }
+        let mut total = 0;
+        for start in &mut starts {
+            total += *start;
+            *start = total;
+        }
+        let mut next = starts.clone();
+        let mut shapes = vec![0; total as usize];
+        for (shape, outline) in outlines.iter().enumerate().rev() {
+            for band in outline.bounds.into_iter().flat_map(range) {
+                shapes[next[band] as usize] = shape as u32;
+                next[band] += 1;
+            }
+        }
+        BandLists { starts, shapes }
+    }
+
+    pub fn band(&self, band: usize) -> &[u32] {
+        &self.shapes[self.starts[band] as usize..self.starts[band + 1] as usize]
+    }
+}
+
+/// All outlines of a scene: its shapes', and its clips' members', clip by clip.
+pub(crate) struct Outlines<'a> {
+    pub shapes: Vec<PlacedOutline<'a>>,
+    pub clips: Vec<Vec<PlacedOutline<'a>>>,
+}
+
+impl<'a> Outlines<'a> {
+    pub fn new(scene: &'a Scene, viewport: &Viewport, all_crisp: bool) -> Outlines<'a> {
+        let place = |geometry| PlacedOutline::new(geometry, viewport, all_crisp);
+        Outlines {
+            shapes: scene.shapes.iter().map(|shape| place(&shape.geometry)).collect(),
+            clips: scene.clips.iter().map(|clip| clip.members.iter().map(|m| place(&m.geometry)).collect()).collect(),
+        }
+    }
+
+    pub fn forget_above(&mut self, row: usize) {
+        self.shapes.iter_mut().chain(self.clips.iter_mut().flatten()).for_each(|outline| outline.forget_above(row));
+    }
+}

@@ -1,0 +1,284 @@
+//! Takes what one shape leaves in one pixel, makes a fragment: empty, the whole pixel, or a part with
+//! its exact area.
+//!
+//! A cell knows the mean winding number of its pixel. That is the covered share as long as the winding
+//! takes two neighbouring values there, one of them outside: the closed form. One piece always has it,
+//! and so have pieces that do not cross and whose sides show no third value (checked in integers).
+//! Anything else goes to the pixel integrator.
+
+use crate::edges::{FRACTION_BITS, ONE};
+use crate::scene::FillRule;
+use crate::strips::{Cell, CrossesLeft, Piece, NO_PIECE};
+
+/// Bits of [`PIXEL_AREA`].
+const AREA_BITS: u32 = 2 * FRACTION_BITS + 1;
+/// The whole pixel, in halves of a square of fixed point.
+pub(crate) const PIXEL_AREA: i64 = 1 << AREA_BITS;
+
+/// More pieces than this are not searched for crossings pair by pair.
+const MOST_PAIRED: usize = 48;
+
+/// The part of a pixel that a shape covers.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Fragment {
+    /// The last of its pieces.
+    pub pieces: u32,
+    /// Winding times height of all edges left of the pixel, in 1/ONE.
+    pub cover_left: i32,
+    pub rule: FillRule,
+    /// 0 < area < [`PIXEL_AREA`].
+    pub area: i64,
+    /// In the pixel the fragment's indicator (1 inside, 0 outside) is, up to a constant, this times its
+    /// winding number: 1 or -1. It is 0 when no such relation is known.
+    pub sense: i8,
+}
+
+/// How much of a pixel a shape covers.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Cover {
+    Empty,
+    Full,
+    Part(Fragment),
+}
+
+/// Is the shape in the pixel, when it is not anti-aliased? The pixel is where its centre is.
+pub(crate) fn cover_of_centre(cell: Cell, cover_left: i32, rule: FillRule, pieces: &[Piece]) -> Cover {
+    let mut outline = PieceSet::default();
+    outline.gather(cell.pieces, cover_left, pieces);
+    if rule.inside(outline.winding_at_half_units(ONE, ONE)) {
+        Cover::Full
+    } else {
+        Cover::Empty
+    }
+}
+
+/// The exact cover of a pixel that holds pieces. `integrate` gives the covered area of a set of pieces
+/// that has no closed form.
+#[inline]
+pub(crate) fn cover(
+    cell: Cell,
+    cover_left: i32,
+    rule: FillRule,
+    pieces: &[Piece],
+    scratch: &mut PieceSet,
+    integrate: impl FnOnce(&PieceSet, FillRule) -> i64,
+) -> Cover {
+    let total = i64::from(cover_left) * i64::from(2 * ONE) + cell.area;
+    let last = &pieces[cell.pieces as usize];
+    let (area, sense) = if last.next == NO_PIECE || is_one_corner(last, &pieces[last.next as usize]) {
+        two_valued(total, rule)
+    } else {
+        scratch.gather(cell.pieces, cover_left, pieces);
+        if scratch.is_two_valued((total >> AREA_BITS) as i32) {
+            two_valued(total, rule)
+        } else {
+            (integrate(scratch, rule).clamp(0, PIXEL_AREA), 0)
+        }
+    };
+    match area {
+        0 => Cover::Empty,
+        PIXEL_AREA => Cover::Full,
+        _ => Cover::Part(Fragment { pieces: cell.pieces, cover_left, rule, area, sense }),
+    }
+}
+
+/// The covered area and [`Fragment::sense`] where the winding takes the values `floor(mean)` and
+/// `floor(mean) + 1` only.
+#[inline]
+fn two_valued(total: i64, rule: FillRule) -> (i64, i8) {
+    let low = (total >> AREA_BITS) as i32;
+    let above = total & (PIXEL_AREA - 1);
+    match (rule.inside(low), rule.inside(low + 1)) {
+        (false, true) => (above, 1),
+        (true, false) => (PIXEL_AREA - above, -1),
+        (true, true) => (PIXEL_AREA, 0),
+        // Unreachable for both rules: of two neighbours one is odd, and one is not zero.
+        (false, false) => (0, 0),
+    }
+}
+
+/// Are these the only two pieces, meeting in a vertex, one the continuation of the other?
+#[inline]
+fn is_one_corner(a: &Piece, b: &Piece) -> bool {
+    if b.next != NO_PIECE {
+        return false;
+    }
+    let (a0, a1) = ((a.x0, a.y0), (a.x1, a.y1));
+    let (b0, b1) = ((b.x0, b.y0), (b.x1, b.y1));
+    // Two pieces of the same direction are a chain only if one ends where the other starts.
+    if a.winding == b.winding {
+        a1 == b0 || b1 == a0
+    } else {
+        a0 == b0 || a1 == b1
+    }
+}
+
+/// The pieces of one fragment, each once, in an order that does not depend on how they were drawn.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct PieceSet {
+    /// Winding number at the pixel's top left corner.
+    pub base: i32,
+    /// Steps of the winding number going down the pixel's left border: (y, step).
+    pub steps: Vec<(u16, i32)>,
+    pub pieces: Vec<Segment>,
+}
+
+/// A piece, perhaps several times over.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct Segment {
+    pub y0: u16,
+    pub x0: u16,
+    pub y1: u16,
+    pub x1: u16,
+    pub winding: i32,
+}
+
+impl PieceSet {
+    /// Reads the list that ends with piece `last`.
+    pub fn gather(&mut self, last: u32, cover_left: i32, pieces: &[Piece]) {
+        self.steps.clear();
+        self.pieces.clear();
+        let mut stepped = 0;
+        let mut next = last;
+        while next != NO_PIECE {
+            let piece = &pieces[next as usize];
+            next = piece.next;
+            let winding = i32::from(piece.winding);
+            // An edge that comes in through the border was left of it above that point, one that goes
+            // out is left of it below.
+            let step = match piece.crosses_left {
+                CrossesLeft::No => None,
+                CrossesLeft::AtStart => Some((piece.y0, -winding)),
+                CrossesLeft::AtEnd => Some((piece.y1, winding)),
+            };
+            if let Some((y, step)) = step {
+                stepped += step * (ONE - i32::from(y));
+                self.steps.push((y, step));
+            }
+            if (piece.x0, piece.y0) != (piece.x1, piece.y1) {
+                let Piece { x0, y0, x1, y1, .. } = *piece;
+                self.pieces.push(Segment { y0, x0, y1, x1, winding });
+            }
+        }
+        // The mean of the winding number down the left border is base plus what the steps add.
+        debug_assert_eq!((cover_left - stepped) % ONE, 0);
+        self.base = (cover_left - stepped) >> FRACTION_BITS;
+        self.pieces.sort_unstable();
+        self.merge_equal();
+    }
+
+    /// Lines drawn there and back again vanish, those drawn twice count twice.
+    fn merge_equal(&mut self) {
+        let mut kept: usize = 0;
+        for i in 0..self.pieces.len() {
+            let piece = self.pieces[i];
+            match self.pieces[..kept].last_mut() {
+                Some(last) if (last.x0, last.y0, last.x1, last.y1) == (piece.x0, piece.y0, piece.x1, piece.y1) => {
+                    last.winding += piece.winding;
+                }
+                _ => {
+                    self.pieces[kept] = piece;
+                    kept += 1;
+                }
+            }
+        }
+        self.pieces.truncate(kept);
+        self.pieces.retain(|piece| piece.winding != 0);
+    }
+
+    /// The winding number at a point given in halves of fixed point. A piece through the point counts
+    /// as left of it.
+    pub fn winding_at_half_units(&self, x: i32, y: i32) -> i32 {
+        self.winding_left_of(y) + self.pieces.iter().filter(|p| p.is_left_of(x, y)).map(|p| p.winding).sum::<i32>()
+    }
+
+    /// The winding number at the pixel's left border; `y` in halves of fixed point.
+    pub fn winding_left_of(&self, y: i32) -> i32 {
+        self.base + self.steps.iter().filter(|&&(at, _)| 2 * i32::from(at) <= y).map(|&(_, step)| step).sum::<i32>()
+    }
+
+    /// Does the winding number take no values but `low` and `low + 1` in the pixel? A `false` may be
+    /// wrong, a `true` is not.
+    fn is_two_valued(&self, low: i32) -> bool {
+        let pieces = &self.pieces[..];
+        if pieces.len() > MOST_PAIRED || pieces.iter().any(|p| p.winding.abs() != 1) {
+            return false;
+        }
+        // Where no two pieces cross, the winding number is the same all along one side of a piece, and
+        // every region of the pixel has a piece at its border.
+        pieces.iter().enumerate().all(|(i, piece)| {
+            let mid = (i32::from(piece.x0) + i32::from(piece.x1), i32::from(piece.y0) + i32::from(piece.y1));
+            let others = pieces.iter().enumerate().filter(|&(j, p)| i != j && p.is_left_of(mid.0, mid.1));
+            let left = self.winding_left_of(mid.1) + others.map(|(_, p)| p.winding).sum::<i32>();
+            // Right of a piece its winding is added; the upper side of a horizontal one is its right.
+            let (least, most) = (left.min(left + piece.winding), left.max(left + piece.winding));
+            low <= least && most <= low + 1 && pieces[..i].iter().all(|other| !piece.may_cross(other))
+        })
+    }
+}
+
+impl Piece {
+    /// A number that only the same line in the same pixel has, but for one chance in 2^64.
+    #[inline]
+    pub fn identity(&self) -> u64 {
+        let [x0, y0, x1, y1] = [self.x0, self.y0, self.x1, self.y1].map(u64::from);
+        // The finalizer of SplitMix64 (Steele, Lea & Flood 2014).
+        let mut z = (x0 | y0 << 16 | x1 << 32 | y1 << 48).wrapping_add(0x9e37_79b9_7f4a_7c15);
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+}
+
+impl Segment {
+    /// Does a horizontal ray from the point to the left meet it? Heights are half-open: [y0, y1).
+    #[inline]
+    fn is_left_of(&self, x: i32, y: i32) -> bool {
+        let (x0, y0) = (2 * i32::from(self.x0), 2 * i32::from(self.y0));
+        let (x1, y1) = (2 * i32::from(self.x1), 2 * i32::from(self.y1));
+        y0 <= y && y < y1 && i64::from(x1 - x0) * i64::from(y - y0) <= i64::from(x - x0) * i64::from(y1 - y0)
+    }
+
+    /// Where it crosses a horizontal line, in fixed point; `y` in halves of it, heights half-open.
+    pub fn x_at(&self, y: i32) -> Option<f64> {
+        let (y0, y1) = (2 * i32::from(self.y0), 2 * i32::from(self.y1));
+        let share = || f64::from(y - y0) / f64::from(y1 - y0);
+        let (x0, x1) = (f64::from(self.x0), f64::from(self.x1));
+        (y0 <= y && y < y1).then(|| x0 + (x1 - x0) * share())
+    }
+
+    /// Twice the area of the triangle with a point: which side the point lies on.
+    #[inline]
+    fn side(&self, x: u16, y: u16) -> i32 {
+        let (dx, dy) = (i32::from(self.x1) - i32::from(self.x0), i32::from(self.y1) - i32::from(self.y0));
+        dx * (i32::from(y) - i32::from(self.y0)) - dy * (i32::from(x) - i32::from(self.x0))
+    }
+
+    /// Could the winding beside one piece change at the other? Two that are apart, or meet in an end
+    /// point only, one continuing the other, could not.
+    fn may_cross(&self, other: &Segment) -> bool {
+        let sides = |a: &Segment, b: &Segment| (a.side(b.x0, b.y0).signum(), a.side(b.x1, b.y1).signum());
+        let (s0, s1) = sides(self, other);
+        if s0 * s1 > 0 {
+            return false;
+        }
+        let (o0, o1) = sides(other, self);
+        if o0 * o1 > 0 {
+            return false;
+        }
+        if (s0, s1) == (0, 0) {
+            // On one line: apart, or end to end, or overlapping.
+            let before = |a: &Segment, b: &Segment| {
+                let (x, y) = ((a.x0.max(a.x1), a.y1), (b.x0.min(b.x1), b.y0));
+                x.1 < y.1 || (a.y0 == a.y1 && x.0 < y.0) || (b.y0, b.x0) == (a.y1, a.x1)
+            };
+            return !(before(self, other) || before(other, self));
+        }
+        let continues = if self.winding == other.winding {
+            (self.x1, self.y1) == (other.x0, other.y0) || (other.x1, other.y1) == (self.x0, self.y0)
+        } else {
+            (self.x0, self.y0) == (other.x0, other.y0) || (self.x1, self.y1) == (other.x1, other.y1)
+        };
+        !continues
+    }
+}

@@ -1,0 +1,13 @@
+//! Takes a pixel's z-list, makes its colour.
+//!
+//! | module | takes → makes |
+//! |---|---|
+//! | [`fragment`] | one shape's cell → its fragment, with the exact area |
+//! | [`split`] | several fragments → visible regions (Catmull's integrator) |
+//! | [`sample`] | the same, bounded, where splitting would take too long |
+//! | [`resolve`] | z-list → regions by the cheapest exact way → colour |
+
+pub(crate) mod fragment;
+pub(crate) mod resolve;
+pub(crate) mod sample;
+pub(crate) mod split;

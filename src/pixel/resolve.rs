@@ -1,0 +1,356 @@
+//! Takes a pixel's z-list, front to back, makes its colour: finds the visible regions by the cheapest
+//! way that is exact for it, composites the paint of each region once, and mixes them by area.
+//!
+//! Promises: the weights are integers, none negative, and sum exactly to the pixel.
+
+use super::fragment::{Fragment, PieceSet, PIXEL_AREA};
+use super::sample::Sampler;
+use super::split::{centroid, Integrator, Known, MOST_LEAVES};
+use crate::edges::ONE;
+use crate::scene::paint::{Shader, Sheet};
+use crate::strips::{Piece, NO_PIECE};
+
+/// Less light than this from behind cannot be seen: a thirtieth of an 8-bit level.
+pub(crate) const NEGLIGIBLE: f32 = 1.0 / 8192.0;
+
+/// Where in a pixel something is painted: a formula over fragments.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Node {
+    Leaf(Fragment),
+    And(u32, u32),
+    Or(u32, u32),
+}
+
+/// A formula of the pixel at hand; numbers are places in [`Resolver::formulas`].
+#[derive(Clone, Copy, Debug)]
+enum Formula {
+    Leaf(usize),
+    And(usize, usize),
+    Or(usize, usize),
+}
+
+/// One entry of the z-list.
+#[derive(Clone, Copy, Debug)]
+enum Item {
+    /// A sheet of one colour over all of the pixel, or where the formula holds.
+    Sheet(Sheet, Option<usize>),
+    /// The same with a gradient, by its shape's number.
+    Gradient(u32, Option<usize>),
+    /// What follows, up to the matching end, composites as one and then fades by this opacity.
+    GroupStart(f32),
+    GroupEnd,
+}
+
+/// How many pixels went which way.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Counts {
+    pub one_fragment: u64,
+    pub tiled: u64,
+    pub split: u64,
+    pub sampled: u64,
+}
+
+/// Resolves z-lists; keeps its buffers from one pixel to the next.
+#[derive(Default)]
+pub(crate) struct Resolver {
+    items: Vec<Item>,
+    formulas: Vec<Formula>,
+    leaves: Vec<Fragment>,
+    /// Formulas that several items share, by their node.
+    shared: Vec<(u32, usize)>,
+    has_gradient: bool,
+    /// Does the scene have clips?
+    pub has_clips: bool,
+    set: PieceSet,
+    integrator: Integrator,
+    sampler: Sampler,
+    pub counts: Counts,
+}
+
+/// What a picture's pixels have in common.
+pub(crate) struct Surroundings<'a> {
+    /// By shape number.
+    pub shaders: &'a [Option<Shader<'a>>],
+    /// Behind everything.
+    pub background: Sheet,
+    pub linear: bool,
+}
+
+impl Resolver {
+    /// Starts a z-list.
+    pub fn clear(&mut self) {
+        self.items.clear();
+        self.formulas.clear();
+        self.leaves.clear();
+        self.shared.clear();
+        self.has_gradient = false;
+    }
+
+    pub fn push_sheet(&mut self, sheet: Sheet, node: Option<u32>, nodes: &[Node]) {
+        let formula = node.map(|node| self.formula(node, nodes));
+        self.items.push(Item::Sheet(sheet, formula));
+    }
+
+    pub fn push_gradient(&mut self, shape: u32, node: Option<u32>, nodes: &[Node]) {
+        let formula = node.map(|node| self.formula(node, nodes));
+        self.items.push(Item::Gradient(shape, formula));
+        self.has_gradient = true;
+    }
+
+    pub fn start_group(&mut self, opacity: f32) {
+        self.items.push(Item::GroupStart(opacity));
+    }
+
+    pub fn end_group(&mut self) {
+        self.items.push(Item::GroupEnd);
+    }
+
+    /// The formula of a node; a node that several items share gives one formula.
+    fn formula(&mut self, node: u32, nodes: &[Node]) -> usize {
+        // Only clips are shared.
+        if self.has_clips {
+            if let Some(&(_, formula)) = self.shared.iter().find(|(shared, _)| *shared == node) {
+                return formula;
+            }
+        }
+        let formula = match nodes[node as usize] {
+            Node::Leaf(fragment) => {
+                self.leaves.push(fragment);
+                Formula::Leaf(self.leaves.len() - 1)
+            }
+            Node::And(a, b) => Formula::And(self.formula(a, nodes), self.formula(b, nodes)),
+            Node::Or(..) => self.union(node, nodes),
+        };
+        self.formulas.push(formula);
+        let index = self.formulas.len() - 1;
+        if self.has_clips {
+            self.shared.push((node, index));
+        }
+        index
+    }
+
+    /// The formula of a union, whose left side may be a long chain of unions.
+    fn union(&mut self, mut node: u32, nodes: &[Node]) -> Formula {
+        let mut members = Vec::new();
+        while let Node::Or(others, member) = nodes[node as usize] {
+            members.push(member);
+            node = others;
+        }
+        let mut union = self.formula(node, nodes);
+        let last = members.remove(0);
+        for &member in members.iter().rev() {
+            let member = self.formula(member, nodes);
+            self.formulas.push(Formula::Or(union, member));
+            union = self.formulas.len() - 1;
+        }
+        Formula::Or(union, self.formula(last, nodes))
+    }
+
+    /// The mean colour of the pixel at column `x` and row `y` of the picture.
+    pub fn resolve(&mut self, x: u32, y: u32, pieces: &[Piece], around: &Surroundings) -> Mean {
+        let place = Place { x: f64::from(x), y: f64::from(y), around };
+        let mut mean = Mean::default();
+        if self.has_gradient {
+            self.split(place, pieces, &mut mean);
+        } else if let [only] = self.leaves[..] {
+            self.counts.one_fragment += 1;
+            mean.add(self.sheet_of(|_| true, place), only.area, around.linear);
+            mean.add(self.sheet_of(|_| false, place), PIXEL_AREA - only.area, around.linear);
+        } else if self.tiles(pieces) {
+            self.counts.tiled += 1;
+            for (leaf, fragment) in self.leaves.iter().enumerate() {
+                mean.add(self.sheet_of(|other| other == leaf, place), fragment.area, around.linear);
+            }
+        } else {
+            self.split(place, pieces, &mut mean);
+        }
+        mean
+    }
+
+    /// The colour of a region of which it is known whether it lies inside each fragment.
+    fn sheet_of(&self, inside: impl Fn(usize) -> bool, place: Place) -> Sheet {
+        let sheet = self.compose(&|leaf| Some(inside(leaf)), place.middle(), place.around);
+        sheet.expect("every fragment is known")
+    }
+
+    /// Do the fragments tile the pixel: does each point lie in exactly one? They do when all borders
+    /// cancel, line by line, and the areas sum to the pixel: then the number of fragments over a point
+    /// is the same everywhere, and one on average.
+    fn tiles(&self, pieces: &[Piece]) -> bool {
+        if self.leaves.iter().map(|leaf| leaf.area).sum::<i64>() != PIXEL_AREA {
+            return false;
+        }
+        let mut sum = 0u64;
+        for leaf in &self.leaves {
+            if leaf.sense == 0 {
+                return false;
+            }
+            let mut next = leaf.pieces;
+            while next != NO_PIECE {
+                let piece = &pieces[next as usize];
+                let times = i64::from(leaf.sense * piece.winding) as u64;
+                if (piece.x0, piece.y0) != (piece.x1, piece.y1) {
+                    sum = sum.wrapping_add(piece.identity().wrapping_mul(times));
+                }
+                next = piece.next;
+            }
+        }
+        sum == 0
+    }
+
+    /// Catmull's integrator, or sub-scanlines past its cap.
+    fn split(&mut self, place: Place, pieces: &[Piece], mean: &mut Mean) {
+        let linear = place.around.linear;
+        let mut integrator = std::mem::take(&mut self.integrator);
+        let mut done = Err(super::split::TooComplex);
+        if self.leaves.len() <= MOST_LEAVES {
+            integrator.clear();
+            for leaf in &self.leaves {
+                self.set.gather(leaf.pieces, leaf.cover_left, pieces);
+                integrator.add(&self.set, leaf.rule);
+            }
+            let is_known = |known: Known| move |leaf| (known.known >> leaf & 1 != 0).then_some(known.inside >> leaf & 1 != 0);
+            done = integrator.integrate(
+                |known| self.compose(&is_known(known), place.middle(), place.around).err(),
+                |known, area, corners| {
+                    let at = centroid(corners).filter(|_| self.has_gradient).map(|c| place.point(c));
+                    let sheet = self.compose(&is_known(known), at.unwrap_or(place.middle()), place.around);
+                    mean.add(sheet.expect("the integrator knows what was wanted"), area, linear);
+                },
+            );
+        }
+        self.integrator = integrator;
+        match done {
+            Ok(()) => self.counts.split += 1,
+            Err(super::split::TooComplex) => {
+                self.counts.sampled += 1;
+                *mean = self.sample(place, pieces);
+            }
+        }
+    }
+
+    fn sample(&mut self, place: Place, pieces: &[Piece]) -> Mean {
+        let mut sampler = std::mem::take(&mut self.sampler);
+        sampler.clear();
+        for leaf in &self.leaves {
+            self.set.gather(leaf.pieces, leaf.cover_left, pieces);
+            sampler.add(&self.set, leaf.rule);
+        }
+        let mut mean = Mean::default();
+        sampler.sample(|inside, area, middle| {
+            let known = |leaf: usize| Some(inside[leaf / 64] >> (leaf % 64) & 1 != 0);
+            let sheet = self.compose(&known, place.point(middle), place.around);
+            mean.add(sheet.expect("every fragment is known"), area, place.around.linear);
+        });
+        self.sampler = sampler;
+        mean
+    }
+
+    /// Composites the items over a region, front to back. `known` says whether the region lies inside
+    /// a fragment; the first one that matters and is not known is the error. Gradients are taken at a
+    /// point, in pixels.
+    fn compose(
+        &self,
+        known: &impl Fn(usize) -> Option<bool>,
+        at: (f64, f64),
+        around: &Surroundings,
+    ) -> Result<Sheet, usize> {
+        let mut front = Sheet::CLEAR;
+        // What stands in front of the groups that are open, and their opacities.
+        let mut outer: Vec<(Sheet, f32)> = Vec::new();
+        for item in &self.items {
+            let hidden = front.through < NEGLIGIBLE;
+            match *item {
+                Item::GroupStart(opacity) => {
+                    outer.push((front, opacity));
+                    front = Sheet::CLEAR;
+                }
+                Item::GroupEnd => {
+                    let (before, opacity) = outer.pop().expect("groups end after they start");
+                    front = before.over(front.faded(opacity));
+                }
+                _ if hidden && outer.is_empty() => return Ok(front),
+                _ if hidden || outer.iter().any(|(before, _)| before.through < NEGLIGIBLE) => {}
+                Item::Sheet(sheet, formula) => {
+                    if self.holds(formula, known)? {
+                        front = front.over(sheet);
+                    }
+                }
+                Item::Gradient(shape, formula) => {
+                    if self.holds(formula, known)? {
+                        let shader = around.shaders[shape as usize].as_ref().expect("gradients have shaders");
+                        front = front.over(shader.at(at.0, at.1));
+                    }
+                }
+            }
+        }
+        Ok(front.over(around.background))
+    }
+
+    fn holds(&self, formula: Option<usize>, known: &impl Fn(usize) -> Option<bool>) -> Result<bool, usize> {
+        let Some(mut formula) = formula else {
+            return Ok(true);
+        };
+        loop {
+            match self.formulas[formula] {
+                Formula::Leaf(leaf) => return known(leaf).ok_or(leaf),
+                Formula::And(a, b) => return Ok(self.holds(Some(a), known)? && self.holds(Some(b), known)?),
+                Formula::Or(others, member) => {
+                    if self.holds(Some(member), known)? {
+                        return Ok(true);
+                    }
+                    formula = others;
+                }
+            }
+        }
+    }
+
+    /// Regions that the integrator has made since this was last asked.
+    pub fn take_nodes(&mut self) -> u64 {
+        std::mem::take(&mut self.integrator.nodes)
+    }
+}
+
+/// A pixel of the picture.
+#[derive(Clone, Copy)]
+struct Place<'a> {
+    x: f64,
+    y: f64,
+    around: &'a Surroundings<'a>,
+}
+
+impl Place<'_> {
+    /// Fixed point in the pixel to pixels in the picture.
+    fn point(&self, (x, y): (f64, f64)) -> (f64, f64) {
+        (self.x + x / f64::from(ONE), self.y + y / f64::from(ONE))
+    }
+
+    fn middle(&self) -> (f64, f64) {
+        (self.x + 0.5, self.y + 0.5)
+    }
+}
+
+/// Colours weighted by area: premultiplied, sRGB-encoded or linear.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Mean {
+    color: [f64; 3],
+    through: f64,
+}
+
+impl Mean {
+    fn add(&mut self, sheet: Sheet, area: i64, linear: bool) {
+        debug_assert!((0..=PIXEL_AREA).contains(&area));
+        let weight = area as f64 / PIXEL_AREA as f64;
+        let sheet = if linear { sheet.to_linear() } else { sheet };
+        for (sum, color) in self.color.iter_mut().zip(sheet.color) {
+            *sum += weight * f64::from(color);
+        }
+        self.through += weight * f64::from(sheet.through);
+    }
+
+    /// The one rounding: to straight 8-bit RGBA, sRGB-encoded.
+    pub fn to_rgba8(self, linear: bool) -> [u8; 4] {
+        let sheet = Sheet { color: self.color.map(|c| c as f32), through: self.through as f32 };
+        if linear { sheet.from_linear() } else { sheet }.to_rgba8()
+    }
+}

@@ -1,0 +1,211 @@
+//! Takes a shape's [`Geometry`] and the transform to pixels, makes flat polygons: strokes become
+//! outlines, curves become chords, each handed to an [`EdgeList`].
+//!
+//! Promises: a curve walked either way gives the same vertices bit for bit, and the polygon has the
+//! curve's area. A chord polygon through points of a curve lies on its inner side; each inner vertex
+//! is therefore moved outwards by `-p'' h^2 / 12`, which gives back the two half slivers beside it.
+
+use crate::edges::EdgeList;
+use crate::scene::{Geometry, Outline};
+use kurbo::{Affine, BezPath, PathEl, Point, Vec2};
+use usvg::tiny_skia_path::PathSegment;
+
+/// A curve becomes at most this many chords, however large it is.
+const MOST_CHORDS: f64 = 16384.0;
+
+/// A stroke with more dashes than this is drawn without them.
+const MOST_DASHES: f64 = 1_000_000.0;
+
+/// A stroke's own curves take this share of the tolerance, their chords the rest.
+const STROKER_SHARE: f64 = 0.25;
+
+/// Flattens shapes; keeps its buffers from one to the next.
+#[derive(Default)]
+pub(crate) struct Flattener {
+    stroke: kurbo::StrokeCtx,
+    vertices: Vec<Point>,
+    path: BezPath,
+}
+
+impl Flattener {
+    /// Adds the edges of `geometry` to `edges`. `tolerance` is a distance in pixels.
+    pub fn flatten(&mut self, geometry: &Geometry, to_pixels: Affine, tolerance: f64, edges: &mut EdgeList) {
+        let transform = to_pixels * geometry.transform;
+        match &geometry.outline {
+            Outline::Fill(_) => {
+                self.polygons(elements(&geometry.path), transform, tolerance, edges);
+            }
+            Outline::Stroke(style) => {
+                let scale = largest_scale(transform);
+                if scale <= 0.0 || !scale.is_finite() {
+                    return;
+                }
+                self.path.truncate(0);
+                self.path.extend(elements(&geometry.path));
+                let undashed;
+                let mut style: &kurbo::Stroke = style;
+                if has_too_many_dashes(&self.path, style) {
+                    undashed = kurbo::Stroke { dash_pattern: Default::default(), ..style.clone() };
+                    style = &undashed;
+                }
+                let fine = tolerance * STROKER_SHARE / scale;
+                let mut stroke = std::mem::take(&mut self.stroke);
+                kurbo::stroke_with(&self.path, style, &Default::default(), fine, &mut stroke);
+                let chords = tolerance * (1.0 - STROKER_SHARE);
+                self.polygons(stroke.output().iter(), transform, chords, edges);
+                self.stroke = stroke;
+            }
+        }
+    }
+
+    /// Flattens sub-paths; each is closed, as filling asks.
+    fn polygons(&mut self, path: impl Iterator<Item = PathEl>, transform: Affine, tolerance: f64, edges: &mut EdgeList) {
+        let mut start = Point::ZERO;
+        let mut last = Point::ZERO;
+        for element in path {
+            match element {
+                PathEl::MoveTo(p) => {
+                    edges.line(last, start);
+                    start = transform * p;
+                    last = start;
+                }
+                PathEl::LineTo(p) => {
+                    let p = transform * p;
+                    edges.line(last, p);
+                    last = p;
+                }
+                PathEl::QuadTo(p1, p2) => {
+                    let (p1, p2) = (transform * p1, transform * p2);
+                    self.curve(Curve::quadratic(last, p1, p2), &[last, p1, p2], tolerance, edges);
+                    last = p2;
+                }
+                PathEl::CurveTo(p1, p2, p3) => {
+                    let (p1, p2, p3) = (transform * p1, transform * p2, transform * p3);
+                    self.curve(Curve::cubic(last, p1, p2, p3), &[last, p1, p2, p3], tolerance, edges);
+                    last = p3;
+                }
+                PathEl::ClosePath => {
+                    edges.line(last, start);
+                    last = start;
+                }
+            }
+        }
+        edges.line(last, start);
+    }
+
+    /// The chords of one curve, whose control polygon is `hull`.
+    fn curve(&mut self, curve: Curve, hull: &[Point], tolerance: f64, edges: &mut EdgeList) {
+        let (first, last) = (hull[0], hull[hull.len() - 1]);
+        if edges.sees_no_curve(hull) {
+            edges.line(first, last);
+            return;
+        }
+        // Always flattened from the same end, so that neighbours get the same vertices.
+        let reversed = hull.iter().map(|p| (p.y, p.x)).gt(hull.iter().rev().map(|p| (p.y, p.x)));
+        let curve = if reversed { Curve::from_hull(hull.iter().rev().copied()) } else { curve };
+        let (start, end) = if reversed { (last, first) } else { (first, last) };
+        // A vertex next to an end is moved by h^2 |p''| / 8 at most, others by / 12.
+        let chords = (curve.largest_second_derivative() / (8.0 * tolerance)).sqrt().ceil().clamp(1.0, MOST_CHORDS);
+        self.vertices.clear();
+        self.vertices.push(start);
+        let h = 1.0 / chords;
+        let chords = chords as usize;
+        for i in 1..chords {
+            // The slivers beside the ends have no second vertex to share them.
+            let ends = usize::from(i == 1) + usize::from(i + 1 == chords);
+            let share = 1.0 + 0.5 * ends as f64;
+            self.vertices.push(curve.outer_point(i as f64 * h, share * h * h / 12.0));
+        }
+        self.vertices.push(end);
+        if reversed {
+            self.vertices.reverse();
+        }
+        for pair in self.vertices.windows(2) {
+            edges.line(pair[0], pair[1]);
+        }
+    }
+}
+
+/// A cubic in powers of t: `((a t + b) t + c) t + d`.
+struct Curve {
+    a: Vec2,
+    b: Vec2,
+    c: Vec2,
+    d: Vec2,
+}
+
+impl Curve {
+    fn quadratic(p0: Point, p1: Point, p2: Point) -> Curve {
+        let (p0, p1, p2) = (p0.to_vec2(), p1.to_vec2(), p2.to_vec2());
+        Curve { a: Vec2::ZERO, b: p0 - 2.0 * p1 + p2, c: 2.0 * (p1 - p0), d: p0 }
+    }
+
+    fn cubic(p0: Point, p1: Point, p2: Point, p3: Point) -> Curve {
+        let (p0, p1, p2, p3) = (p0.to_vec2(), p1.to_vec2(), p2.to_vec2(), p3.to_vec2());
+        Curve { a: p3 - p0 + 3.0 * (p1 - p2), b: 3.0 * (p0 - 2.0 * p1 + p2), c: 3.0 * (p1 - p0), d: p0 }
+    }
+
+    /// Three control points or four.
+    fn from_hull(mut hull: impl Iterator<Item = Point>) -> Curve {
+        let mut next = || hull.next();
+        match (next(), next(), next(), next()) {
+            (Some(p0), Some(p1), Some(p2), Some(p3)) => Curve::cubic(p0, p1, p2, p3),
+            (Some(p0), Some(p1), Some(p2), None) => Curve::quadratic(p0, p1, p2),
+            _ => unreachable!("a curve has three or four control points"),
+        }
+    }
+
+    /// The second derivative is linear: it is largest at an end.
+    fn largest_second_derivative(&self) -> f64 {
+        let at_start = 2.0 * self.b;
+        let at_end = 6.0 * self.a + 2.0 * self.b;
+        at_start.hypot2().max(at_end.hypot2()).sqrt()
+    }
+
+    /// The point at `t`, moved against the second derivative by `outwards` times that.
+    fn outer_point(&self, t: f64, outwards: f64) -> Point {
+        let on_curve = ((self.a * t + self.b) * t + self.c) * t + self.d;
+        let second = 6.0 * t * self.a + 2.0 * self.b;
+        (on_curve - outwards * second).to_point()
+    }
+}
+
+/// The path's elements in double precision.
+fn elements(path: &usvg::tiny_skia_path::Path) -> impl Iterator<Item = PathEl> + '_ {
+    let point = |p: usvg::tiny_skia_path::Point| Point::new(p.x.into(), p.y.into());
+    path.segments().map(move |segment| match segment {
+        PathSegment::MoveTo(p) => PathEl::MoveTo(point(p)),
+        PathSegment::LineTo(p) => PathEl::LineTo(point(p)),
+        PathSegment::QuadTo(p1, p2) => PathEl::QuadTo(point(p1), point(p2)),
+        PathSegment::CubicTo(p1, p2, p3) => PathEl::CurveTo(point(p1), point(p2), point(p3)),
+        PathSegment::Close => PathEl::ClosePath,
+    })
+}
+
+/// How much longer the transform makes a vector at most (its larger singular value).
+pub(crate) fn largest_scale(transform: Affine) -> f64 {
+    let [a, b, c, d, _, _] = transform.as_coeffs();
+    let (x, y) = (a * a + b * b, c * c + d * d);
+    let mixed = a * c + b * d;
+    let spread = ((x - y) * (x - y) + 4.0 * mixed * mixed).sqrt();
+    (0.5 * (x + y + spread)).sqrt()
+}
+
+fn has_too_many_dashes(path: &BezPath, style: &kurbo::Stroke) -> bool {
+    let period: f64 = style.dash_pattern.iter().sum();
+    if style.dash_pattern.is_empty() {
+        return false;
+    }
+    let length: f64 = path.segments().map(|s| control_length(&s)).sum();
+    // Written so that a period that is zero or not a number counts as too many.
+    !(length * style.dash_pattern.len() as f64 / period < MOST_DASHES)
+}
+
+/// Length of the control polygon: never less than the curve's own.
+fn control_length(segment: &kurbo::PathSeg) -> f64 {
+    match segment {
+        kurbo::PathSeg::Line(l) => (l.p1 - l.p0).hypot(),
+        kurbo::PathSeg::Quad(q) => (q.p1 - q.p0).hypot() + (q.p2 - q.p1).hypot(),
+        kurbo::PathSeg::Cubic(c) => (c.p1 - c.p0).hypot() + (c.p2 - c.p1).hypot() + (c.p3 - c.p2).hypot(),
+    }
+}

@@ -1,0 +1,267 @@
+//! Takes usvg's tree, makes a [`Scene`]: walks it once, back to front, with the transform, clip and
+//! group that hold at each node.
+
+use super::paint::{Gradient, GradientShape, Paint, Spread, Stop};
+use super::{Clip, ClipId, ClipMember, FillRule, Geometry, Group, GroupId, Outline, Scene, Shape, Warning};
+use crate::Error;
+use kurbo::{Affine, Rect, Size};
+use std::sync::Arc;
+
+/// Opacity groups nested deeper than this are refused: each open one holds a strip of the picture.
+const DEEPEST_GROUP: usize = 256;
+
+/// The scene of `tree`, or of one node of it.
+pub(super) fn scene(tree: &usvg::Tree, node: Option<&usvg::Node>) -> Result<Scene, Error> {
+    let mut walk = Walk::default();
+    let place = Place { transform: Affine::IDENTITY, clip: None, group: 0, depth: 0 };
+    let bounds = match node {
+        None => {
+            walk.group(tree.root(), place)?;
+            tree.root().abs_stroke_bounding_box()
+        }
+        Some(node) => {
+            // A group's own transform is applied as the walk enters it; a path has none of its own.
+            let own = match node {
+                usvg::Node::Group(group) => affine(group.transform()),
+                _ => Affine::IDENTITY,
+            };
+            let transform = affine(node.abs_transform()) * own.inverse();
+            walk.node(node, Place { transform, ..place })?;
+            if walk.shapes.is_empty() {
+                return Err(Error::Element(format!("the element with id '{}' draws nothing", node.id())));
+            }
+            node.abs_stroke_bounding_box()
+        }
+    };
+    let bounds = Rect::new(bounds.left().into(), bounds.top().into(), bounds.right().into(), bounds.bottom().into());
+    Ok(Scene {
+        size: Size::new(tree.size().width().into(), tree.size().height().into()),
+        bounding_box: (!walk.shapes.is_empty()).then_some(bounds),
+        warnings: walk.warnings,
+        shapes: walk.shapes,
+        clips: walk.clips,
+        groups: walk.groups,
+    })
+}
+
+/// What holds where the walk stands.
+#[derive(Clone, Copy)]
+struct Place {
+    /// From the node's coordinates to the scene's user units.
+    transform: Affine,
+    clip: Option<ClipId>,
+    group: GroupId,
+    /// Opacity groups around the node.
+    depth: usize,
+}
+
+struct Walk {
+    shapes: Vec<Shape>,
+    clips: Vec<Clip>,
+    groups: Vec<Group>,
+    warnings: Vec<Warning>,
+}
+
+impl Default for Walk {
+    fn default() -> Self {
+        let picture = Group { parent: 0, opacity: 1.0 };
+        Walk { shapes: Vec::new(), clips: Vec::new(), groups: vec![picture], warnings: Vec::new() }
+    }
+}
+
+impl Walk {
+    fn node(&mut self, node: &usvg::Node, place: Place) -> Result<(), Error> {
+        match node {
+            usvg::Node::Group(group) => self.group(group, place),
+            usvg::Node::Path(path) => {
+                self.path(path, place);
+                Ok(())
+            }
+            usvg::Node::Text(text) => self.group(text.flattened(), place),
+            usvg::Node::Image(image) => {
+                self.warn("images", image.id());
+                Ok(())
+            }
+        }
+    }
+
+    fn group(&mut self, group: &usvg::Group, mut place: Place) -> Result<(), Error> {
+        place.transform *= affine(group.transform());
+        if group.mask().is_some() {
+            self.warn("masks", group.id());
+        }
+        if !group.filters().is_empty() {
+            self.warn("filters", group.id());
+        }
+        if group.blend_mode() != usvg::BlendMode::Normal {
+            self.warn("blend modes", group.id());
+        }
+        if let Some(clip) = group.clip_path() {
+            place.clip = Some(self.clip(clip, place.transform, place.clip));
+        }
+        let opacity = group.opacity().get();
+        if opacity >= 1.0 {
+            return group.children().iter().try_for_each(|child| self.node(child, place));
+        }
+        if place.depth == DEEPEST_GROUP {
+            return Err(Error::Limit(format!(
+                "groups with opacity are nested more than {DEEPEST_GROUP} deep at element '{}' (flatten them)",
+                group.id()
+            )));
+        }
+        let (first_shape, first_group) = (self.shapes.len(), self.groups.len());
+        self.groups.push(Group { parent: place.group, opacity });
+        let inside = Place { group: first_group as GroupId, depth: place.depth + 1, ..place };
+        group.children().iter().try_for_each(|child| self.node(child, inside))?;
+        // A group of one shape is that shape with less opacity: nothing in it can overlap.
+        if let [only] = &mut self.shapes[first_shape..] {
+            if self.groups.len() == first_group + 1 {
+                only.paint.fade(opacity);
+                only.group = place.group;
+                self.groups.pop();
+            }
+        }
+        Ok(())
+    }
+
+    fn path(&mut self, path: &usvg::Path, place: Place) {
+        if !path.is_visible() {
+            return;
+        }
+        let data = Arc::new(path.data().clone());
+        let crisp = !path.rendering_mode().use_shape_antialiasing();
+        let geometry = |outline| Geometry { path: data.clone(), transform: place.transform, outline, crisp };
+        let fill = path.fill().and_then(|fill| {
+            let paint = self.paint(fill.paint(), fill.opacity().get(), place.transform, path.id())?;
+            Some(Shape { geometry: geometry(fill_outline(fill)), paint, clip: place.clip, group: place.group })
+        });
+        let stroke = path.stroke().and_then(|stroke| {
+            let paint = self.paint(stroke.paint(), stroke.opacity().get(), place.transform, path.id())?;
+            if stroke.linejoin() == usvg::LineJoin::MiterClip {
+                self.warn("clipped miter joins", path.id());
+            }
+            Some(Shape { geometry: geometry(stroke_outline(stroke)), paint, clip: place.clip, group: place.group })
+        });
+        match path.paint_order() {
+            usvg::PaintOrder::FillAndStroke => self.shapes.extend(fill.into_iter().chain(stroke)),
+            usvg::PaintOrder::StrokeAndFill => self.shapes.extend(stroke.into_iter().chain(fill)),
+        }
+    }
+
+    /// The paint in pixels' terms, or `None` when nothing would be seen of it.
+    fn paint(&mut self, paint: &usvg::Paint, opacity: f32, transform: Affine, id: &str) -> Option<Paint> {
+        let paint = match paint {
+            usvg::Paint::Color(color) => Paint::flat(*color, opacity),
+            usvg::Paint::LinearGradient(linear) => {
+                let shape = GradientShape::linear(
+                    (linear.x1().into(), linear.y1().into()),
+                    (linear.x2().into(), linear.y2().into()),
+                );
+                gradient(linear, shape, opacity, transform)?
+            }
+            usvg::Paint::RadialGradient(radial) => {
+                let shape = GradientShape::radial(
+                    (radial.fx().into(), radial.fy().into(), radial.fr().get().into()),
+                    (radial.cx().into(), radial.cy().into(), radial.r().get().into()),
+                );
+                gradient(radial, shape, opacity, transform)?
+            }
+            usvg::Paint::Pattern(pattern) => {
+                self.warn("patterns", if id.is_empty() { pattern.id() } else { id });
+                return None;
+            }
+        };
+        (!paint.is_invisible()).then_some(paint)
+    }
+
+    fn clip(&mut self, clip: &usvg::ClipPath, transform: Affine, outer: Option<ClipId>) -> ClipId {
+        let own = clip.clip_path().map(|own| self.clip(own, transform, None));
+        let mut members = Vec::new();
+        self.clip_members(clip.root(), transform * affine(clip.transform()), None, &mut members);
+        self.clips.push(Clip { members, within: outer.into_iter().chain(own).collect() });
+        (self.clips.len() - 1) as ClipId
+    }
+
+    fn clip_members(&mut self, parent: &usvg::Group, transform: Affine, clip: Option<ClipId>, members: &mut Vec<ClipMember>) {
+        for child in parent.children() {
+            match child {
+                usvg::Node::Path(path) if path.is_visible() => {
+                    if let Some(fill) = path.fill() {
+                        let crisp = !path.rendering_mode().use_shape_antialiasing();
+                        let path = Arc::new(path.data().clone());
+                        let geometry = Geometry { path, transform, outline: fill_outline(fill), crisp };
+                        members.push(ClipMember { geometry, clip });
+                    }
+                }
+                usvg::Node::Group(group) => self.clip_group(group, transform, clip, members),
+                usvg::Node::Text(text) => self.clip_group(text.flattened(), transform, clip, members),
+                usvg::Node::Path(_) | usvg::Node::Image(_) => {}
+            }
+        }
+    }
+
+    fn clip_group(&mut self, group: &usvg::Group, transform: Affine, clip: Option<ClipId>, members: &mut Vec<ClipMember>) {
+        let transform = transform * affine(group.transform());
+        let clip = group.clip_path().map(|own| self.clip(own, transform, clip)).or(clip);
+        self.clip_members(group, transform, clip, members);
+    }
+
+    fn warn(&mut self, kind: &'static str, id: &str) {
+        if let Some(warning) = self.warnings.iter_mut().find(|w| w.kind == kind) {
+            warning.count += 1;
+            return;
+        }
+        let element = if id.is_empty() {
+            format!("an element without id, behind {} drawn shapes", self.shapes.len())
+        } else {
+            format!("element '{id}'")
+        };
+        self.warnings.push(Warning { kind, element, count: 1 });
+    }
+}
+
+fn fill_outline(fill: &usvg::Fill) -> Outline {
+    Outline::Fill(match fill.rule() {
+        usvg::FillRule::NonZero => FillRule::NonZero,
+        usvg::FillRule::EvenOdd => FillRule::EvenOdd,
+    })
+}
+
+fn stroke_outline(stroke: &usvg::Stroke) -> Outline {
+    let join = match stroke.linejoin() {
+        usvg::LineJoin::Miter | usvg::LineJoin::MiterClip => kurbo::Join::Miter,
+        usvg::LineJoin::Round => kurbo::Join::Round,
+        usvg::LineJoin::Bevel => kurbo::Join::Bevel,
+    };
+    let cap = match stroke.linecap() {
+        usvg::LineCap::Butt => kurbo::Cap::Butt,
+        usvg::LineCap::Round => kurbo::Cap::Round,
+        usvg::LineCap::Square => kurbo::Cap::Square,
+    };
+    let style = kurbo::Stroke::new(stroke.width().get().into())
+        .with_join(join)
+        .with_caps(cap)
+        .with_miter_limit(stroke.miterlimit().get().into());
+    Outline::Stroke(Box::new(match stroke.dasharray() {
+        Some(dashes) => style.with_dashes(stroke.dashoffset().into(), dashes.iter().map(|&d| f64::from(d))),
+        None => style,
+    }))
+}
+
+fn gradient(base: &usvg::BaseGradient, shape: GradientShape, opacity: f32, transform: Affine) -> Option<Paint> {
+    let stops = base
+        .stops()
+        .iter()
+        .map(|stop| Stop::new(stop.offset().get(), stop.color(), stop.opacity().get() * opacity))
+        .collect();
+    let spread = match base.spread_method() {
+        usvg::SpreadMethod::Pad => Spread::Pad,
+        usvg::SpreadMethod::Reflect => Spread::Reflect,
+        usvg::SpreadMethod::Repeat => Spread::Repeat,
+    };
+    Gradient::new(shape, spread, stops, transform * affine(base.transform()))
+}
+
+fn affine(t: usvg::Transform) -> Affine {
+    Affine::new([t.sx, t.ky, t.kx, t.sy, t.tx, t.ty].map(f64::from))
+}

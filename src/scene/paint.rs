@@ -1,0 +1,294 @@
+//! Takes a paint's definition, makes colours: flat, or a gradient's colour at a point.
+//!
+//! Colours in the renderer are [`Sheet`]s: premultiplied and sRGB-encoded, with the share of light
+//! that still passes in place of alpha, so that sheets compose front to back.
+
+use kurbo::{Affine, Point};
+
+/// A uniform sheet of colour: what it adds, and how much of what lies behind still shows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Sheet {
+    /// Premultiplied red, green, blue, sRGB-encoded, 0 ..= 1.
+    pub color: [f32; 3],
+    /// Transmittance: 1 - alpha, 0 ..= 1.
+    pub through: f32,
+}
+
+impl Sheet {
+    /// Nothing at all.
+    pub const CLEAR: Sheet = Sheet { color: [0.0; 3], through: 1.0 };
+
+    /// From straight colour, all 0 ..= 1.
+    pub fn new(rgb: [f32; 3], alpha: f32) -> Sheet {
+        Sheet { color: rgb.map(|c| c * alpha), through: 1.0 - alpha }
+    }
+
+    /// This sheet in front of another (Porter & Duff's `over`).
+    #[inline]
+    pub fn over(self, behind: Sheet) -> Sheet {
+        let mix = |i: usize| self.color[i] + self.through * behind.color[i];
+        Sheet { color: [mix(0), mix(1), mix(2)], through: self.through * behind.through }
+    }
+
+    /// This sheet at less opacity.
+    pub fn faded(self, opacity: f32) -> Sheet {
+        Sheet { color: self.color.map(|c| c * opacity), through: 1.0 - opacity * (1.0 - self.through) }
+    }
+
+    #[inline]
+    pub fn is_opaque(self) -> bool {
+        self.through <= 0.0
+    }
+
+    /// Straight 8-bit RGBA; a clear sheet is all 0.
+    #[inline]
+    pub fn to_rgba8(self) -> [u8; 4] {
+        let alpha = 1.0 - self.through;
+        if alpha <= 0.0 {
+            return [0; 4];
+        }
+        let byte = |v: f32| (v * 255.0 + 0.5) as u8;
+        let [r, g, b] = self.color.map(|c| byte(c / alpha));
+        [r, g, b, byte(alpha)]
+    }
+
+    /// The same colour in linear light, still premultiplied.
+    pub fn to_linear(self) -> Sheet {
+        self.recoded(linear_of_srgb)
+    }
+
+    /// The inverse of [`Sheet::to_linear`].
+    pub fn from_linear(self) -> Sheet {
+        self.recoded(srgb_of_linear)
+    }
+
+    fn recoded(self, code: fn(f32) -> f32) -> Sheet {
+        let alpha = 1.0 - self.through;
+        if alpha <= 0.0 {
+            return self;
+        }
+        Sheet { color: self.color.map(|c| code(c / alpha) * alpha), ..self }
+    }
+}
+
+/// IEC 61966-2-1; `libm`'s power is the same on every machine, the platform's is not.
+fn linear_of_srgb(v: f32) -> f32 {
+    if v <= 0.04045 {
+        v / 12.92
+    } else {
+        libm::powf((v + 0.055) / 1.055, 2.4)
+    }
+}
+
+fn srgb_of_linear(v: f32) -> f32 {
+    if v <= 0.003_130_8 {
+        v * 12.92
+    } else {
+        1.055 * libm::powf(v, 1.0 / 2.4) - 0.055
+    }
+}
+
+/// What a shape is painted with.
+#[derive(Clone, Debug)]
+pub(crate) enum Paint {
+    Flat(Sheet),
+    Gradient(Box<Gradient>),
+}
+
+impl Paint {
+    /// One colour.
+    pub fn flat(color: usvg::Color, opacity: f32) -> Paint {
+        Paint::Flat(Sheet::new(unit_rgb(color), opacity))
+    }
+
+    /// Does nothing of it show?
+    pub fn is_invisible(&self) -> bool {
+        match self {
+            Paint::Flat(sheet) => sheet.through >= 1.0,
+            Paint::Gradient(gradient) => gradient.stops.iter().all(|stop| stop.color[3] <= 0.0),
+        }
+    }
+
+    /// Does it hide what lies behind, everywhere?
+    pub fn is_opaque(&self) -> bool {
+        match self {
+            Paint::Flat(sheet) => sheet.is_opaque(),
+            Paint::Gradient(gradient) => gradient.opaque,
+        }
+    }
+
+    /// Takes away opacity.
+    pub fn fade(&mut self, opacity: f32) {
+        match self {
+            Paint::Flat(sheet) => *sheet = sheet.faded(opacity),
+            Paint::Gradient(gradient) => {
+                gradient.stops.iter_mut().for_each(|stop| stop.color[3] *= opacity);
+                gradient.opaque = false;
+            }
+        }
+    }
+}
+
+fn unit_rgb(color: usvg::Color) -> [f32; 3] {
+    [color.red, color.green, color.blue].map(|c| f32::from(c) / 255.0)
+}
+
+/// What lies beyond a gradient's ends.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Spread {
+    Pad,
+    Reflect,
+    Repeat,
+}
+
+/// A colour at a place on the gradient.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Stop {
+    /// 0 ..= 1, never falling.
+    pub offset: f32,
+    /// Straight red, green, blue, alpha, 0 ..= 1: SVG interpolates before premultiplying.
+    pub color: [f32; 4],
+}
+
+impl Stop {
+    pub fn new(offset: f32, color: usvg::Color, opacity: f32) -> Stop {
+        let [r, g, b] = unit_rgb(color);
+        Stop { offset, color: [r, g, b, opacity] }
+    }
+}
+
+/// The function from a point of the gradient's plane to its parameter.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum GradientShape {
+    /// The parameter is x.
+    Linear(Affine),
+    /// The circle (centre, radius) at parameter 0, and the steps from it to the one at 1.
+    Radial { start: (f64, f64, f64), step: (f64, f64, f64) },
+}
+
+impl GradientShape {
+    /// 0 at `from`, 1 at `to`.
+    pub fn linear(from: (f64, f64), to: (f64, f64)) -> GradientShape {
+        let (dx, dy) = (to.0 - from.0, to.1 - from.1);
+        let square = dx * dx + dy * dy;
+        // x' = ((x - from.x) dx + (y - from.y) dy) / square; y' is not looked at.
+        GradientShape::Linear(Affine::new([
+            dx / square,
+            0.0,
+            dy / square,
+            0.0,
+            -(from.0 * dx + from.1 * dy) / square,
+            0.0,
+        ]))
+    }
+
+    /// 0 on the focal circle, 1 on the outer one; each is x, y, radius.
+    pub fn radial(focal: (f64, f64, f64), outer: (f64, f64, f64)) -> GradientShape {
+        GradientShape::Radial { start: focal, step: (outer.0 - focal.0, outer.1 - focal.1, outer.2 - focal.2) }
+    }
+}
+
+/// A pattern function and a colour map.
+#[derive(Clone, Debug)]
+pub(crate) struct Gradient {
+    shape: GradientShape,
+    spread: Spread,
+    stops: Vec<Stop>,
+    /// From the gradient's plane to the scene's user units.
+    transform: Affine,
+    opaque: bool,
+}
+
+impl Gradient {
+    /// `None` when the transform has no inverse; a gradient without extent is its last colour.
+    pub fn new(shape: GradientShape, spread: Spread, stops: Vec<Stop>, transform: Affine) -> Option<Paint> {
+        let last = *stops.last()?;
+        if transform.determinant() == 0.0 || !transform.is_finite() {
+            return None;
+        }
+        let [r, g, b, alpha] = last.color;
+        if matches!(shape, GradientShape::Linear(map) if !map.is_finite()) {
+            return Some(Paint::Flat(Sheet::new([r, g, b], alpha)));
+        }
+        // A cone that its focal circle does not lie within leaves points without colour.
+        let covers = match shape {
+            GradientShape::Linear(_) => true,
+            GradientShape::Radial { step: (dx, dy, dr), .. } => dx.hypot(dy) < dr,
+        };
+        let opaque = covers && stops.iter().all(|stop| stop.color[3] >= 1.0);
+        Some(Paint::Gradient(Box::new(Gradient { shape, spread, stops, transform, opaque })))
+    }
+
+    /// Ready to be asked for colours at points in pixels.
+    pub fn shader(&self, to_pixels: Affine) -> Shader<'_> {
+        let to_plane = (to_pixels * self.transform).inverse();
+        let to_plane = match self.shape {
+            GradientShape::Linear(map) => map * to_plane,
+            GradientShape::Radial { .. } => to_plane,
+        };
+        Shader { gradient: self, to_plane }
+    }
+
+    /// The colour map at a parameter already spread into 0 ..= 1: straight RGBA.
+    fn color(&self, t: f32) -> [f32; 4] {
+        let behind = self.stops.partition_point(|stop| stop.offset <= t);
+        let (first, last) = (&self.stops[0], &self.stops[self.stops.len() - 1]);
+        if behind == 0 {
+            return first.color;
+        }
+        if behind == self.stops.len() {
+            return last.color;
+        }
+        let (a, b) = (&self.stops[behind - 1], &self.stops[behind]);
+        let share = (t - a.offset) / (b.offset - a.offset);
+        std::array::from_fn(|i| a.color[i] + (b.color[i] - a.color[i]) * share)
+    }
+}
+
+/// A gradient at a picture's scale.
+#[derive(Clone, Debug)]
+pub(crate) struct Shader<'a> {
+    gradient: &'a Gradient,
+    /// From pixels to the gradient's plane.
+    to_plane: Affine,
+}
+
+impl Shader<'_> {
+    /// The colour at a point in pixels; clear where a radial gradient has none.
+    pub fn at(&self, x: f64, y: f64) -> Sheet {
+        let Some(t) = self.parameter(self.to_plane * Point::new(x, y)) else {
+            return Sheet::CLEAR;
+        };
+        let t = match self.gradient.spread {
+            Spread::Pad => t.clamp(0.0, 1.0),
+            Spread::Repeat => t - t.floor(),
+            Spread::Reflect => 1.0 - ((t * 0.5 - (t * 0.5).floor()) * 2.0 - 1.0).abs(),
+        };
+        let [r, g, b, alpha] = self.gradient.color(t as f32);
+        Sheet::new([r, g, b], alpha)
+    }
+
+    /// The parameter at a point of the gradient's plane: for circles the greatest t with a radius
+    /// of at least 0 whose circle passes through the point (SVG 2, 14.2.3; HTML canvas).
+    fn parameter(&self, p: Point) -> Option<f64> {
+        let GradientShape::Radial { start: (x0, y0, r0), step: (dx, dy, dr) } = self.gradient.shape else {
+            return p.x.is_finite().then_some(p.x);
+        };
+        // |p - start - t (dx, dy)| = r0 + t dr
+        let (px, py) = (p.x - x0, p.y - y0);
+        let a = dx * dx + dy * dy - dr * dr;
+        let half_b = px * dx + py * dy + r0 * dr;
+        let c = px * px + py * py - r0 * r0;
+        let valid = |t: f64| (t.is_finite() && r0 + t * dr >= 0.0).then_some(t);
+        if a.abs() <= 1e-12 * dr * dr {
+            return valid(c / (2.0 * half_b));
+        }
+        let root = half_b * half_b - a * c;
+        if root < 0.0 {
+            return None;
+        }
+        let root = root.sqrt();
+        let (one, other) = ((half_b + root) / a, (half_b - root) / a);
+        valid(one.max(other)).or_else(|| valid(one.min(other)))
+    }
+}

@@ -1,0 +1,283 @@
+//! Takes a shape's edges in one band, makes irregular pieces: edges clipped to scanline strips
+//! [y, y+1) and there to pixels, filed in x-buckets (Catmull 1978, section 4, steps 1 and 2).
+//!
+//! Promises: where an edge enters a strip or a pixel depends on the edge alone, never on how it was
+//! reached, so that the two sides of a shared border are cut bit-identically. A point on the border
+//! between two pixels belongs to the right or lower one, everywhere.
+
+use crate::edges::{Edge, BAND_ROWS, FRACTION_BITS, ONE};
+use crate::bitmap::Bitmap;
+
+/// No piece.
+pub(crate) const NO_PIECE: u32 = u32::MAX;
+
+/// The part of an edge in one pixel, in fixed point from the pixel's top left corner, 0 ..= ONE.
+/// Like its edge it runs from the upper end to the lower (from left to right when horizontal).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Piece {
+    pub x0: u16,
+    pub y0: u16,
+    pub x1: u16,
+    pub y1: u16,
+    /// The next piece of the same shape in the same pixel, or [`NO_PIECE`].
+    pub next: u32,
+    /// As [`Edge::winding`].
+    pub winding: i8,
+    /// Which end lies on the pixel's left border because the edge crosses it there.
+    pub crosses_left: CrossesLeft,
+}
+
+/// Where an edge crosses the left border of a pixel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum CrossesLeft {
+    No,
+    AtStart,
+    AtEnd,
+}
+
+/// What a shape leaves in one pixel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Cell {
+    /// Winding times height of the pieces here, in 1/ONE: what the pixels to the right see.
+    pub cover: i32,
+    /// The last piece, or [`NO_PIECE`].
+    pub pieces: u32,
+    /// Twice the winding times the area right of the pieces, in 1/ONE^2.
+    pub area: i64,
+}
+
+impl Cell {
+    const EMPTY: Cell = Cell { cover: 0, pieces: NO_PIECE, area: 0 };
+}
+
+/// One shape's x-buckets in one band: a cell for each pixel, and which cells are in use.
+///
+/// Column 0 holds what lies left of the picture; pixel x is column x + 1.
+pub(crate) struct Buckets {
+    width: i32,
+    cells: Vec<Cell>,
+    touched: Bitmap,
+}
+
+impl Buckets {
+    /// For a picture of this many pixels in a row.
+    pub fn new(width: u32) -> Buckets {
+        let columns = width as usize + 1;
+        Buckets {
+            width: width as i32,
+            cells: vec![Cell::EMPTY; columns * BAND_ROWS as usize],
+            touched: Bitmap::new(columns, BAND_ROWS as usize),
+        }
+    }
+
+    /// Pixels in a row.
+    pub fn width(&self) -> usize {
+        self.width as usize
+    }
+
+    /// The columns in use in `row`, from the left, with their cells, which are emptied.
+    #[inline]
+    pub fn drain_row(&mut self, row: usize, mut take: impl FnMut(i32, Cell)) {
+        let cells = &mut self.cells[row * (self.width as usize + 1)..][..self.width as usize + 1];
+        for (index, word) in self.touched.row_mut(row).iter_mut().enumerate() {
+            let mut bits = std::mem::take(word);
+            while bits != 0 {
+                let column = index * 64 + bits.trailing_zeros() as usize;
+                bits &= bits - 1;
+                take(column as i32 - 1, std::mem::replace(&mut cells[column], Cell::EMPTY));
+            }
+        }
+    }
+
+    /// Clips `edge` to the strips of the band whose first row is `top`, and files its pieces. Pixels
+    /// that are `finished` get no pieces, and rows below the picture's end nothing at all.
+    pub fn add(&mut self, edge: &Edge, top: u32, rows: usize, finished: &Bitmap, pieces: &mut Vec<Piece>) {
+        let top = (top as i32) << FRACTION_BITS;
+        let slope = SlopeX::of(edge);
+        let mut y = edge.y0.max(top);
+        let end = edge.y1.min(top + rows as i32 * ONE);
+        let mut x = slope.x_at(edge, y);
+        if edge.y0 == edge.y1 {
+            // On a strip's upper border it bounds nothing inside.
+            if y & (ONE - 1) != 0 {
+                let row = ((y - top) >> FRACTION_BITS) as usize;
+                let y = y & (ONE - 1);
+                let strip = Strip { x0: edge.x0, y0: y, x1: edge.x1, y1: y, winding: edge.winding };
+                self.add_strip(row, strip, finished, pieces);
+            }
+            return;
+        }
+        while y < end {
+            let row = (y - top) >> FRACTION_BITS;
+            let row_top = top + (row << FRACTION_BITS);
+            let next_y = (row_top + ONE).min(end);
+            let next_x = slope.x_at(edge, next_y);
+            let strip = Strip { x0: x, y0: y - row_top, x1: next_x, y1: next_y - row_top, winding: edge.winding };
+            self.add_strip(row as usize, strip, finished, pieces);
+            (x, y) = (next_x, next_y);
+        }
+    }
+
+    /// Clips one strip's part of an edge to pixels.
+    #[inline]
+    fn add_strip(&mut self, row: usize, strip: Strip, finished: &Bitmap, pieces: &mut Vec<Piece>) {
+        let (first, last) = (strip.x0 >> FRACTION_BITS, strip.x1 >> FRACTION_BITS);
+        let mut target = Row { buckets: self, row, finished, pieces, winding: strip.winding };
+        if first == last {
+            let left = first << FRACTION_BITS;
+            let line = [strip.x0 - left, strip.y0, strip.x1 - left, strip.y1];
+            target.put(first, line, CrossesLeft::No);
+        } else if first < last {
+            target.rightwards(strip, first, last);
+        } else {
+            target.leftwards(strip, first, last);
+        }
+    }
+}
+
+/// The part of an edge in one strip: x in fixed point pixels, y in fixed point from the strip's top.
+#[derive(Clone, Copy)]
+struct Strip {
+    x0: i32,
+    y0: i32,
+    x1: i32,
+    y1: i32,
+    winding: i32,
+}
+
+impl Strip {
+    /// Rise over run, for [`Strip::y_at`].
+    fn slope(&self) -> f64 {
+        f64::from(self.y1 - self.y0) / (f64::from(self.x1) - f64::from(self.x0))
+    }
+
+    /// Where it crosses a vertical line between its ends.
+    fn y_at(&self, slope: f64, x: i32) -> i32 {
+        let dy = round((f64::from(x) - f64::from(self.x0)) * slope);
+        (self.y0 + dy).clamp(self.y0, self.y1)
+    }
+}
+
+/// Run over rise of an edge.
+struct SlopeX(f64);
+
+impl SlopeX {
+    fn of(edge: &Edge) -> SlopeX {
+        let run = f64::from(edge.x1) - f64::from(edge.x0);
+        SlopeX(run / (f64::from(edge.y1) - f64::from(edge.y0)))
+    }
+
+    /// Where the edge crosses a horizontal line between its ends. The offset from the upper end is
+    /// rounded, not the place itself, so that moving a drawing by whole pixels moves all crossings.
+    #[inline]
+    fn x_at(&self, edge: &Edge, y: i32) -> i32 {
+        if y == edge.y0 {
+            return edge.x0;
+        }
+        if y == edge.y1 {
+            return edge.x1;
+        }
+        let dx = (f64::from(y) - f64::from(edge.y0)) * self.0;
+        // An offset beyond 2^31 wraps, and its sum wraps back to the right place.
+        edge.x0.wrapping_add(round(dx))
+    }
+}
+
+/// The low 32 bits of the nearest integer, ties to even, for |v| < 2^51.
+#[inline]
+fn round(v: f64) -> i32 {
+    // Adding 1.5 * 2^52 leaves the rounded integer in the low bits of the mantissa.
+    const MAGIC: f64 = 6_755_399_441_055_744.0;
+    (v + MAGIC).to_bits() as i32
+}
+
+/// Where the pieces of one strip go.
+struct Row<'a> {
+    buckets: &'a mut Buckets,
+    row: usize,
+    finished: &'a Bitmap,
+    pieces: &'a mut Vec<Piece>,
+    winding: i32,
+}
+
+impl Row<'_> {
+    /// From pixel `first` to pixel `last`, which lies right of it.
+    fn rightwards(&mut self, strip: Strip, first: i32, last: i32) {
+        let slope = strip.slope();
+        let mut y = strip.y0;
+        let mut x = strip.x0 - (first << FRACTION_BITS);
+        let mut crosses = CrossesLeft::No;
+        let mut pixel = first;
+        if first < 0 {
+            // All that lies left of the picture is one bucket.
+            if last < 0 {
+                self.put(-1, [0, strip.y0, 0, strip.y1], CrossesLeft::No);
+                return;
+            }
+            y = strip.y_at(slope, 0);
+            self.put(-1, [0, strip.y0, 0, y], CrossesLeft::No);
+            (pixel, x, crosses) = (0, 0, CrossesLeft::AtStart);
+        }
+        while pixel < last {
+            if pixel >= self.buckets.width {
+                return;
+            }
+            let next_y = strip.y_at(slope, (pixel + 1) << FRACTION_BITS);
+            self.put(pixel, [x, y, ONE, next_y], crosses);
+            (pixel, x, y, crosses) = (pixel + 1, 0, next_y, CrossesLeft::AtStart);
+        }
+        self.put(last, [x, y, strip.x1 - (last << FRACTION_BITS), strip.y1], crosses);
+    }
+
+    /// From pixel `first` to pixel `last`, which lies left of it.
+    fn leftwards(&mut self, strip: Strip, first: i32, last: i32) {
+        let slope = strip.slope();
+        let mut y = strip.y0;
+        let mut x = strip.x0 - (first << FRACTION_BITS);
+        let mut pixel = first;
+        if first < 0 {
+            self.put(-1, [0, strip.y0, 0, strip.y1], CrossesLeft::No);
+            return;
+        }
+        if first >= self.buckets.width {
+            // What lies right of the picture counts for nothing.
+            if last >= self.buckets.width {
+                return;
+            }
+            pixel = self.buckets.width - 1;
+            x = ONE;
+            y = strip.y_at(slope, self.buckets.width << FRACTION_BITS);
+        }
+        while pixel > last {
+            if pixel < 0 {
+                self.put(-1, [0, y, 0, strip.y1], CrossesLeft::No);
+                return;
+            }
+            let next_y = strip.y_at(slope, pixel << FRACTION_BITS);
+            self.put(pixel, [x, y, 0, next_y], CrossesLeft::AtEnd);
+            (pixel, x, y) = (pixel - 1, ONE, next_y);
+        }
+        self.put(last, [x, y, strip.x1 - (last << FRACTION_BITS), strip.y1], CrossesLeft::No);
+    }
+
+    /// Files a piece: its ends from the pixel's top left corner, and where it crosses the left border.
+    #[inline]
+    fn put(&mut self, pixel: i32, [x0, y0, x1, y1]: [i32; 4], crosses_left: CrossesLeft) {
+        let buckets = &mut *self.buckets;
+        if pixel >= buckets.width {
+            return;
+        }
+        let column = (pixel + 1).max(0) as usize;
+        let cover = (y1 - y0) * self.winding;
+        let cell = &mut buckets.cells[self.row * (buckets.width as usize + 1) + column];
+        cell.cover += cover;
+        buckets.touched.set(self.row, column);
+        if pixel < 0 || self.finished.get(self.row, pixel as usize) {
+            return;
+        }
+        cell.area += i64::from(cover) * i64::from(2 * ONE - x0 - x1);
+        let next = std::mem::replace(&mut cell.pieces, self.pieces.len() as u32);
+        let [x0, y0, x1, y1] = [x0, y0, x1, y1].map(|v| v as u16);
+        self.pieces.push(Piece { x0, y0, x1, y1, next, winding: self.winding as i8, crosses_left });
+    }
+}

@@ -1,0 +1,104 @@
+//! Takes the x-buckets of one shape in one row, makes solid runs and fragments, from left to right.
+
+use crate::edges::FRACTION_BITS;
+use crate::pixel::fragment::{cover, cover_of_centre, Cover, Fragment, PieceSet, PIXEL_AREA};
+use crate::pixel::split::Integrator;
+use crate::scene::FillRule;
+use crate::strips::{Buckets, Piece, NO_PIECE};
+
+/// What a row of a shape consists of.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Span {
+    /// Pixels [from, to) lie inside.
+    Solid(usize, usize),
+    /// A part of this pixel does.
+    Part(usize, Fragment),
+}
+
+/// Sweeps rows; keeps its buffers from one to the next.
+#[derive(Default)]
+pub(crate) struct Sweep {
+    set: PieceSet,
+    integrator: Integrator,
+    /// Single fragments whose area had to be integrated, and which of them had to be sampled.
+    pub integrated: u64,
+    pub sampled: u64,
+}
+
+impl Sweep {
+    /// Sweeps one row and empties its buckets. `crisp` shapes have no fragments: a pixel is inside if
+    /// its centre is.
+    #[inline]
+    pub fn row(
+        &mut self,
+        buckets: &mut Buckets,
+        row: usize,
+        (rule, crisp): (FillRule, bool),
+        pieces: &[Piece],
+        mut take: impl FnMut(Span),
+    ) {
+        let width = buckets.width();
+        // Winding times height of all that lies left, in 1/ONE. Between cells it is a whole number of
+        // windings, for every edge that starts or ends there is in a cell.
+        let mut cover_left = 0;
+        // Where the pixels inside that are not given out yet begin.
+        let mut from = 0;
+        let mut inside = false;
+        buckets.drain_row(row, |x, cell| {
+            let pixel = x.max(0) as usize;
+            if cell.pieces != NO_PIECE {
+                let here = if crisp {
+                    cover_of_centre(cell, cover_left, rule, pieces)
+                } else {
+                    let (integrator, counts) = (&mut self.integrator, (&mut self.integrated, &mut self.sampled));
+                    let integrate = |set: &PieceSet, rule| area_of(set, rule, integrator, counts);
+                    cover(cell, cover_left, rule, pieces, &mut self.set, integrate)
+                };
+                let is_full = matches!(here, Cover::Full);
+                if inside && !is_full {
+                    take(Span::Solid(from, pixel));
+                } else if !inside && is_full {
+                    from = pixel;
+                }
+                inside = is_full;
+                if let Cover::Part(fragment) = here {
+                    take(Span::Part(pixel, fragment));
+                }
+            }
+            cover_left += cell.cover;
+            let goes_on = rule.inside(cover_left >> FRACTION_BITS);
+            let next = (x + 1) as usize;
+            if inside && !goes_on {
+                take(Span::Solid(from, next));
+            } else if !inside && goes_on {
+                from = next;
+            }
+            inside = goes_on;
+        });
+        if inside && from < width {
+            take(Span::Solid(from, width));
+        }
+    }
+}
+
+/// The covered area of one fragment whose pieces cross.
+fn area_of(set: &PieceSet, rule: FillRule, integrator: &mut Integrator, counts: (&mut u64, &mut u64)) -> i64 {
+    *counts.0 += 1;
+    integrator.clear();
+    integrator.add(set, rule);
+    let mut inside = 0;
+    let done = integrator.integrate(
+        |known| (known.known == 0).then_some(0),
+        |known, area, _| inside += area * i64::from(known.inside as u8),
+    );
+    if done.is_ok() {
+        return inside;
+    }
+    *counts.1 += 1;
+    let mut sampler = crate::pixel::sample::Sampler::default();
+    sampler.add(set, rule);
+    let mut inside = 0;
+    sampler.sample(|bits, area, _| inside += area * (bits[0] & 1) as i64);
+    debug_assert!((0..=PIXEL_AREA).contains(&inside));
+    inside
+}
