@@ -109,7 +109,7 @@ impl BandRenderer {
         let top = rows.top;
         for row in 0..rows.count {
             let style = (outline.rule, outline.crisp);
-            self.sweep.row(&mut self.buckets, row, style, &self.pieces, |span| {
+            self.sweep.row(&mut self.buckets, row, style, &mut self.pieces, |span| {
                 clipped(row, span, clip.as_deref(), nodes, |piece, _| match piece {
                     Clipped::Whole(from, to) => {
                         let picture = (depth == 0).then_some(&mut *rows);
@@ -191,7 +191,7 @@ impl BandRenderer {
             self.fill_buckets(picture, band, outline, rows);
             for row in 0..rows.count {
                 let style = (outline.rule, outline.crisp);
-                self.sweep.row(&mut self.buckets, row, style, &self.pieces, |span: Span| {
+                self.sweep.row(&mut self.buckets, row, style, &mut self.pieces, |span: Span| {
                     made.unite(row, span, within.as_deref(), &mut self.nodes);
                 });
             }

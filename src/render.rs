@@ -272,17 +272,18 @@ impl Renderer {
     }
 
     fn take_counts(&self) -> Vec<(&'static str, u64)> {
-        let mut sums = [0u64; 8];
+        let mut sums = [0u64; 9];
         for renderer in self.idle.lock().expect("no thread panicked").iter_mut() {
             let counts = std::mem::take(&mut renderer.resolver.counts);
-            let sweep = &mut renderer.sweep;
+            let coverer = &mut renderer.sweep.coverer;
             let all = [
                 counts.one_fragment,
                 counts.tiled,
+                counts.along_borders,
                 counts.split,
                 counts.sampled,
-                std::mem::take(&mut sweep.integrated),
-                std::mem::take(&mut sweep.sampled),
+                std::mem::take(&mut coverer.cleaned),
+                std::mem::take(&mut coverer.sampled),
                 renderer.resolver.take_nodes(),
                 std::mem::take(&mut renderer.hidden),
             ];
@@ -291,9 +292,10 @@ impl Renderer {
         let names = [
             "pixels_one_fragment",
             "pixels_tiled",
+            "pixels_along_borders",
             "pixels_split",
             "pixels_sampled",
-            "fragments_integrated",
+            "fragments_cleaned",
             "fragments_sampled",
             "split_nodes",
             "hidden_shapes",

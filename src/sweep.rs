@@ -1,8 +1,7 @@
 //! Takes the x-buckets of one shape in one row, makes solid runs and fragments, from left to right.
 
 use crate::edges::FRACTION_BITS;
-use crate::pixel::fragment::{cover, cover_of_centre, Cover, Fragment, PieceSet, PIXEL_AREA};
-use crate::pixel::split::Integrator;
+use crate::pixel::fragment::{cover_of_centre, Cover, Coverer, Fragment};
 use crate::scene::FillRule;
 use crate::strips::{Buckets, Piece, NO_PIECE};
 
@@ -18,11 +17,7 @@ pub(crate) enum Span {
 /// Sweeps rows; keeps its buffers from one to the next.
 #[derive(Default)]
 pub(crate) struct Sweep {
-    set: PieceSet,
-    integrator: Integrator,
-    /// Single fragments whose area had to be integrated, and which of them had to be sampled.
-    pub integrated: u64,
-    pub sampled: u64,
+    pub coverer: Coverer,
 }
 
 impl Sweep {
@@ -34,7 +29,7 @@ impl Sweep {
         buckets: &mut Buckets,
         row: usize,
         (rule, crisp): (FillRule, bool),
-        pieces: &[Piece],
+        pieces: &mut Vec<Piece>,
         mut take: impl FnMut(Span),
     ) {
         let width = buckets.width();
@@ -50,9 +45,7 @@ impl Sweep {
                 let here = if crisp {
                     cover_of_centre(cell, cover_left, rule, pieces)
                 } else {
-                    let (integrator, counts) = (&mut self.integrator, (&mut self.integrated, &mut self.sampled));
-                    let integrate = |set: &PieceSet, rule| area_of(set, rule, integrator, counts);
-                    cover(cell, cover_left, rule, pieces, &mut self.set, integrate)
+                    self.coverer.cover(cell, cover_left, rule, pieces)
                 };
                 let is_full = matches!(here, Cover::Full);
                 if inside && !is_full {
@@ -79,26 +72,4 @@ impl Sweep {
             take(Span::Solid(from, width));
         }
     }
-}
-
-/// The covered area of one fragment whose pieces cross.
-fn area_of(set: &PieceSet, rule: FillRule, integrator: &mut Integrator, counts: (&mut u64, &mut u64)) -> i64 {
-    *counts.0 += 1;
-    integrator.clear();
-    integrator.add(set, rule);
-    let mut inside = 0;
-    let done = integrator.integrate(
-        |known| (known.known == 0).then_some(0),
-        |known, area, _| inside += area * i64::from(known.inside as u8),
-    );
-    if done.is_ok() {
-        return inside;
-    }
-    *counts.1 += 1;
-    let mut sampler = crate::pixel::sample::Sampler::default();
-    sampler.add(set, rule);
-    let mut inside = 0;
-    sampler.sample(|bits, area, _| inside += area * (bits[0] & 1) as i64);
-    debug_assert!((0..=PIXEL_AREA).contains(&inside));
-    inside
 }

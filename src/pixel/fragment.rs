@@ -4,8 +4,10 @@
 //! A cell knows the mean winding number of its pixel. That is the covered share as long as the winding
 //! takes two neighbouring values there, one of them outside: the closed form. One piece always has it,
 //! and so have pieces that do not cross and whose sides show no third value (checked in integers).
-//! Anything else goes to the pixel integrator.
+//! Anything else is cut at its crossings first ([`super::indicator`]).
 
+use super::indicator::Cleaner;
+use super::sample::Sampler;
 use crate::edges::{FRACTION_BITS, ONE};
 use crate::scene::FillRule;
 use crate::strips::{Cell, CrossesLeft, Piece, NO_PIECE};
@@ -52,33 +54,59 @@ pub(crate) fn cover_of_centre(cell: Cell, cover_left: i32, rule: FillRule, piece
     }
 }
 
-/// The exact cover of a pixel that holds pieces. `integrate` gives the covered area of a set of pieces
-/// that has no closed form.
-#[inline]
-pub(crate) fn cover(
-    cell: Cell,
-    cover_left: i32,
-    rule: FillRule,
-    pieces: &[Piece],
-    scratch: &mut PieceSet,
-    integrate: impl FnOnce(&PieceSet, FillRule) -> i64,
-) -> Cover {
-    let total = i64::from(cover_left) * i64::from(2 * ONE) + cell.area;
-    let last = &pieces[cell.pieces as usize];
-    let (area, sense) = if last.next == NO_PIECE || is_one_corner(last, &pieces[last.next as usize]) {
-        two_valued(total, rule)
-    } else {
-        scratch.gather(cell.pieces, cover_left, pieces);
-        if scratch.is_two_valued((total >> AREA_BITS) as i32) {
-            two_valued(total, rule)
-        } else {
-            (integrate(scratch, rule).clamp(0, PIXEL_AREA), 0)
+/// Finds covers; keeps its buffers from one pixel to the next.
+#[derive(Default)]
+pub(crate) struct Coverer {
+    set: PieceSet,
+    cleaner: Cleaner,
+    /// Fragments that crossed themselves, and those of them that had to be sampled.
+    pub cleaned: u64,
+    pub sampled: u64,
+}
+
+impl Coverer {
+    /// The exact cover of a pixel that holds pieces.
+    #[inline]
+    pub fn cover(&mut self, cell: Cell, cover_left: i32, rule: FillRule, pieces: &mut Vec<Piece>) -> Cover {
+        let total = i64::from(cover_left) * i64::from(2 * ONE) + cell.area;
+        let last = &pieces[cell.pieces as usize];
+        if last.next == NO_PIECE || is_one_corner(last, &pieces[last.next as usize]) {
+            return part(two_valued(total, rule), cell.pieces, cover_left, rule);
         }
-    };
+        self.cover_of_many(cell.pieces, total, cover_left, rule, pieces)
+    }
+
+    fn cover_of_many(
+        &mut self,
+        last: u32,
+        total: i64,
+        cover_left: i32,
+        rule: FillRule,
+        pieces: &mut Vec<Piece>,
+    ) -> Cover {
+        self.set.gather(last, cover_left, pieces);
+        if self.set.is_two_valued((total >> AREA_BITS) as i32) {
+            return part(two_valued(total, rule), last, cover_left, rule);
+        }
+        self.cleaned += 1;
+        if let Some(clean) = self.cleaner.clean(&self.set, rule, pieces) {
+            return part((clean.area.clamp(0, PIXEL_AREA), 1), clean.pieces, clean.cover_left, FillRule::NonZero);
+        }
+        self.sampled += 1;
+        let mut sampler = Sampler::default();
+        sampler.add(&self.set, rule);
+        let mut area = 0;
+        sampler.sample(|bits, share, _| area += share * (bits[0] & 1) as i64);
+        part((area, 0), last, cover_left, rule)
+    }
+}
+
+#[inline]
+fn part((area, sense): (i64, i8), pieces: u32, cover_left: i32, rule: FillRule) -> Cover {
     match area {
         0 => Cover::Empty,
         PIXEL_AREA => Cover::Full,
-        _ => Cover::Part(Fragment { pieces: cell.pieces, cover_left, rule, area, sense }),
+        _ => Cover::Part(Fragment { pieces, cover_left, rule, area, sense }),
     }
 }
 
@@ -113,6 +141,39 @@ fn is_one_corner(a: &Piece, b: &Piece) -> bool {
     }
 }
 
+/// Finds the winding number in a pixel's top left corner from what crosses the left border.
+pub(crate) struct PieceSteps {
+    /// Winding times height down the left border, less what the steps so far add to it.
+    left: i32,
+}
+
+impl PieceSteps {
+    pub fn new(cover_left: i32) -> PieceSteps {
+        PieceSteps { left: cover_left }
+    }
+
+    /// Where going down the left border the winding number changes, and by how much, due to this piece.
+    #[inline]
+    pub fn step(&mut self, piece: &Piece) -> Option<(u16, i32)> {
+        let winding = i32::from(piece.winding);
+        // An edge that comes in through the border was left of it above that point, one that goes out
+        // is left of it below.
+        let (y, step) = match piece.crosses_left {
+            CrossesLeft::No => return None,
+            CrossesLeft::AtStart => (piece.y0, -winding),
+            CrossesLeft::AtEnd => (piece.y1, winding),
+        };
+        self.left -= step * (ONE - i32::from(y));
+        Some((y, step))
+    }
+
+    /// The winding number in the corner, after all pieces.
+    pub fn corner(&self) -> i32 {
+        debug_assert_eq!(self.left % ONE, 0);
+        self.left >> FRACTION_BITS
+    }
+}
+
 /// The pieces of one fragment, each once, in an order that does not depend on how they were drawn.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct PieceSet {
@@ -138,37 +199,25 @@ impl PieceSet {
     pub fn gather(&mut self, last: u32, cover_left: i32, pieces: &[Piece]) {
         self.steps.clear();
         self.pieces.clear();
-        let mut stepped = 0;
+        let mut base = PieceSteps::new(cover_left);
         let mut next = last;
         while next != NO_PIECE {
             let piece = &pieces[next as usize];
             next = piece.next;
             let winding = i32::from(piece.winding);
-            // An edge that comes in through the border was left of it above that point, one that goes
-            // out is left of it below.
-            let step = match piece.crosses_left {
-                CrossesLeft::No => None,
-                CrossesLeft::AtStart => Some((piece.y0, -winding)),
-                CrossesLeft::AtEnd => Some((piece.y1, winding)),
-            };
-            if let Some((y, step)) = step {
-                stepped += step * (ONE - i32::from(y));
-                self.steps.push((y, step));
-            }
+            self.steps.extend(base.step(piece));
             if (piece.x0, piece.y0) != (piece.x1, piece.y1) {
                 let Piece { x0, y0, x1, y1, .. } = *piece;
                 self.pieces.push(Segment { y0, x0, y1, x1, winding });
             }
         }
-        // The mean of the winding number down the left border is base plus what the steps add.
-        debug_assert_eq!((cover_left - stepped) % ONE, 0);
-        self.base = (cover_left - stepped) >> FRACTION_BITS;
+        self.base = base.corner();
         self.pieces.sort_unstable();
         self.merge_equal();
     }
 
     /// Lines drawn there and back again vanish, those drawn twice count twice.
-    fn merge_equal(&mut self) {
+    pub fn merge_equal(&mut self) {
         let mut kept: usize = 0;
         for i in 0..self.pieces.len() {
             let piece = self.pieces[i];
@@ -197,6 +246,16 @@ impl PieceSet {
         self.base + self.steps.iter().filter(|&&(at, _)| 2 * i32::from(at) <= y).map(|&(_, step)| step).sum::<i32>()
     }
 
+    /// The winding number left of the middle of a piece; below it, when it is horizontal.
+    pub fn winding_left_of_piece(&self, piece: usize) -> i32 {
+        let [x0, y0, x1, y1] = self.pieces[piece].ends();
+        let (x, y) = (x0 + x1, y0 + y1);
+        // They are sorted by their upper ends.
+        let near = self.pieces.iter().enumerate().take_while(|(_, p)| 2 * i32::from(p.y0) <= y);
+        let left = near.filter(|&(i, p)| i != piece && p.is_left_of(x, y)).map(|(_, p)| p.winding);
+        self.winding_left_of(y) + left.sum::<i32>()
+    }
+
     /// Does the winding number take no values but `low` and `low + 1` in the pixel? A `false` may be
     /// wrong, a `true` is not.
     fn is_two_valued(&self, low: i32) -> bool {
@@ -207,12 +266,11 @@ impl PieceSet {
         // Where no two pieces cross, the winding number is the same all along one side of a piece, and
         // every region of the pixel has a piece at its border.
         pieces.iter().enumerate().all(|(i, piece)| {
-            let mid = (i32::from(piece.x0) + i32::from(piece.x1), i32::from(piece.y0) + i32::from(piece.y1));
-            let others = pieces.iter().enumerate().filter(|&(j, p)| i != j && p.is_left_of(mid.0, mid.1));
-            let left = self.winding_left_of(mid.1) + others.map(|(_, p)| p.winding).sum::<i32>();
+            let left = self.winding_left_of_piece(i);
             // Right of a piece its winding is added; the upper side of a horizontal one is its right.
             let (least, most) = (left.min(left + piece.winding), left.max(left + piece.winding));
-            low <= least && most <= low + 1 && pieces[..i].iter().all(|other| !piece.may_cross(other))
+            let apart = |other: &Segment| !interiors_meet(piece.ends(), other.ends());
+            low <= least && most <= low + 1 && pieces[..i].iter().all(apart)
         })
     }
 }
@@ -231,6 +289,17 @@ impl Piece {
 }
 
 impl Segment {
+    /// The piece from one point to another, or none where they are the same; it runs from the upper
+    /// end to the lower, so that its winding may turn round.
+    pub fn between((x0, y0): (i32, i32), (x1, y1): (i32, i32), winding: i32) -> Option<Segment> {
+        let [fx0, fy0, fx1, fy1] = [x0, y0, x1, y1].map(|v| v as u16);
+        match (y0, x0).cmp(&(y1, x1)) {
+            std::cmp::Ordering::Equal => None,
+            std::cmp::Ordering::Less => Some(Segment { y0: fy0, x0: fx0, y1: fy1, x1: fx1, winding }),
+            std::cmp::Ordering::Greater => Some(Segment { y0: fy1, x0: fx1, y1: fy0, x1: fx0, winding: -winding }),
+        }
+    }
+
     /// Does a horizontal ray from the point to the left meet it? Heights are half-open: [y0, y1).
     #[inline]
     fn is_left_of(&self, x: i32, y: i32) -> bool {
@@ -247,38 +316,32 @@ impl Segment {
         (y0 <= y && y < y1).then(|| x0 + (x1 - x0) * share())
     }
 
-    /// Twice the area of the triangle with a point: which side the point lies on.
-    #[inline]
-    fn side(&self, x: u16, y: u16) -> i32 {
-        let (dx, dy) = (i32::from(self.x1) - i32::from(self.x0), i32::from(self.y1) - i32::from(self.y0));
-        dx * (i32::from(y) - i32::from(self.y0)) - dy * (i32::from(x) - i32::from(self.x0))
+    pub fn ends(&self) -> [i32; 4] {
+        [self.x0, self.y0, self.x1, self.y1].map(i32::from)
     }
+}
 
-    /// Could the winding beside one piece change at the other? Two that are apart, or meet in an end
-    /// point only, one continuing the other, could not.
-    fn may_cross(&self, other: &Segment) -> bool {
-        let sides = |a: &Segment, b: &Segment| (a.side(b.x0, b.y0).signum(), a.side(b.x1, b.y1).signum());
-        let (s0, s1) = sides(self, other);
-        if s0 * s1 > 0 {
-            return false;
-        }
-        let (o0, o1) = sides(other, self);
-        if o0 * o1 > 0 {
-            return false;
-        }
-        if (s0, s1) == (0, 0) {
-            // On one line: apart, or end to end, or overlapping.
-            let before = |a: &Segment, b: &Segment| {
-                let (x, y) = ((a.x0.max(a.x1), a.y1), (b.x0.min(b.x1), b.y0));
-                x.1 < y.1 || (a.y0 == a.y1 && x.0 < y.0) || (b.y0, b.x0) == (a.y1, a.x1)
-            };
-            return !(before(self, other) || before(other, self));
-        }
-        let continues = if self.winding == other.winding {
-            (self.x1, self.y1) == (other.x0, other.y0) || (other.x1, other.y1) == (self.x0, self.y0)
-        } else {
-            (self.x0, self.y0) == (other.x0, other.y0) || (self.x1, self.y1) == (other.x1, other.y1)
-        };
-        !continues
+/// Which side of line `a` the point lies on: twice the area of the triangle they make, in fixed point.
+#[inline]
+pub(crate) fn side([x0, y0, x1, y1]: [i32; 4], x: i32, y: i32) -> i32 {
+    (x1 - x0) * (y - y0) - (y1 - y0) * (x - x0)
+}
+
+/// Do two pieces, given as x0, y0, x1, y1 from 0 to ONE, meet other than in their end points? The same
+/// piece twice does not count.
+#[inline]
+pub(crate) fn interiors_meet(a: [i32; 4], b: [i32; 4]) -> bool {
+    let [ax0, ay0, ax1, ay1] = a;
+    let [bx0, by0, bx1, by1] = b;
+    if ay1 < by0 || by1 < ay0 || ax0.max(ax1) < bx0.min(bx1) || bx0.max(bx1) < ax0.min(ax1) {
+        return false;
     }
+    let (a0, a1) = (side(b, ax0, ay0).signum(), side(b, ax1, ay1).signum());
+    let (b0, b1) = (side(a, bx0, by0).signum(), side(a, bx1, by1).signum());
+    if (a0, a1) == (0, 0) {
+        // On one line they overlap unless one ends where the other starts, or before.
+        let order = |x: i32, y: i32| if ay0 == ay1 { x } else { y };
+        return a != b && order(ax0, ay0) < order(bx1, by1) && order(bx0, by0) < order(ax1, ay1);
+    }
+    a0 * a1 <= 0 && b0 * b1 <= 0 && (a0 * a1 < 0 || b0 * b1 < 0)
 }

@@ -3,6 +3,7 @@
 //!
 //! Promises: the weights are integers, none negative, and sum exactly to the pixel.
 
+use super::boundary::Boundary;
 use super::fragment::{Fragment, PieceSet, PIXEL_AREA};
 use super::sample::Sampler;
 use super::split::{centroid, Integrator, Known, MOST_LEAVES};
@@ -46,6 +47,7 @@ enum Item {
 pub(crate) struct Counts {
     pub one_fragment: u64,
     pub tiled: u64,
+    pub along_borders: u64,
     pub split: u64,
     pub sampled: u64,
 }
@@ -62,6 +64,7 @@ pub(crate) struct Resolver {
     /// Does the scene have clips?
     pub has_clips: bool,
     set: PieceSet,
+    boundary: Boundary,
     integrator: Integrator,
     sampler: Sampler,
     pub counts: Counts,
@@ -161,10 +164,33 @@ impl Resolver {
             for (leaf, fragment) in self.leaves.iter().enumerate() {
                 mean.add(self.sheet_of(|other| other == leaf, place), fragment.area, around.linear);
             }
+        } else if self.along_borders(place, pieces, &mut mean) {
+            self.counts.along_borders += 1;
         } else {
             self.split(place, pieces, &mut mean);
         }
         mean
+    }
+
+    /// The closed form, where borders do not cross.
+    fn along_borders(&mut self, place: Place, pieces: &[Piece], mean: &mut Mean) -> bool {
+        if self.leaves.iter().any(|leaf| leaf.sense == 0) {
+            return false;
+        }
+        let mut boundary = std::mem::take(&mut self.boundary);
+        boundary.clear();
+        for leaf in &self.leaves {
+            boundary.add(leaf.pieces, leaf.cover_left, leaf.rule, pieces);
+        }
+        let regions = boundary.regions();
+        for &(set, area) in regions.unwrap_or(&[]) {
+            if area > 0 {
+                mean.add(self.sheet_of(|leaf| set >> leaf & 1 != 0, place), area, place.around.linear);
+            }
+        }
+        let done = regions.is_some();
+        self.boundary = boundary;
+        done
     }
 
     /// The colour of a region of which it is known whether it lies inside each fragment.
@@ -330,27 +356,32 @@ impl Place<'_> {
     }
 }
 
-/// Colours weighted by area: premultiplied, sRGB-encoded or linear.
+/// Colours weighted by area: premultiplied, sRGB-encoded or linear. Kept in integers, so that the order
+/// of the regions does not matter.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Mean {
-    color: [f64; 3],
-    through: f64,
+    /// Red, green, blue and transmittance, times [`COLOR_ONE`] and area.
+    sums: [i64; 4],
 }
+
+/// Full colour in [`Mean`]; times [`PIXEL_AREA`] it leaves the sign and 8 bits of an `i64`.
+const COLOR_ONE: f32 = (1 << 24) as f32;
 
 impl Mean {
     fn add(&mut self, sheet: Sheet, area: i64, linear: bool) {
         debug_assert!((0..=PIXEL_AREA).contains(&area));
-        let weight = area as f64 / PIXEL_AREA as f64;
         let sheet = if linear { sheet.to_linear() } else { sheet };
-        for (sum, color) in self.color.iter_mut().zip(sheet.color) {
-            *sum += weight * f64::from(color);
+        let [r, g, b] = sheet.color;
+        for (sum, share) in self.sums.iter_mut().zip([r, g, b, sheet.through]) {
+            *sum += (share * COLOR_ONE).round_ties_even() as i64 * area;
         }
-        self.through += weight * f64::from(sheet.through);
     }
 
     /// The one rounding: to straight 8-bit RGBA, sRGB-encoded.
     pub fn to_rgba8(self, linear: bool) -> [u8; 4] {
-        let sheet = Sheet { color: self.color.map(|c| c as f32), through: self.through as f32 };
+        let whole = PIXEL_AREA as f64 * f64::from(COLOR_ONE);
+        let [r, g, b, through] = self.sums.map(|sum| (sum as f64 / whole) as f32);
+        let sheet = Sheet { color: [r, g, b], through };
         if linear { sheet.from_linear() } else { sheet }.to_rgba8()
     }
 }

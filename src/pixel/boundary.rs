@@ -1,0 +1,175 @@
+//! The closed form for fragments whose borders do not cross: takes them, makes the visible regions and
+//! their areas, in integers.
+//!
+//! Where no border meets another but in end points, the set of fragments over a point is the same all
+//! along one side of a piece. By Green's theorem a set's area is then a sum over the left border of
+//! the pixel and over the pieces: each adds the area right of it to the set on its right side and
+//! takes it from the set on its left. Pieces that two fragments share are both crossed at once.
+
+use super::fragment::{PieceSteps, PIXEL_AREA};
+use super::split::MOST_LEAVES;
+use crate::edges::ONE;
+use crate::scene::FillRule;
+use crate::strips::{Piece, NO_PIECE};
+
+/// More pieces than this are left to the integrator.
+const MOST_PIECES: usize = 64;
+
+/// A piece of one of the fragments.
+#[derive(Clone, Copy, Debug)]
+struct Chord {
+    x0: i32,
+    y0: i32,
+    x1: i32,
+    y1: i32,
+    winding: i32,
+    leaf: u32,
+}
+
+/// Integrates along borders; keeps its buffers from one pixel to the next.
+#[derive(Default)]
+pub(crate) struct Boundary {
+    chords: Vec<Chord>,
+    /// (y, step of the winding number, fragment), down the left border.
+    steps: Vec<(u16, i32, u32)>,
+    /// Each fragment's winding number in the top left corner, and its rule.
+    corner: Vec<(i32, FillRule)>,
+    windings: Vec<i32>,
+    /// The sets of fragments found, one bit each, and their areas.
+    regions: Vec<(u64, i64)>,
+}
+
+impl Boundary {
+    /// Forgets the last pixel's fragments.
+    pub fn clear(&mut self) {
+        self.chords.clear();
+        self.steps.clear();
+        self.corner.clear();
+    }
+
+    /// Adds a fragment whose own pieces do not cross; its number is the count of those added before.
+    pub fn add(&mut self, last: u32, cover_left: i32, rule: FillRule, pieces: &[Piece]) {
+        let leaf = self.corner.len() as u32;
+        let mut base = PieceSteps::new(cover_left);
+        let mut next = last;
+        while next != NO_PIECE {
+            let piece = &pieces[next as usize];
+            next = piece.next;
+            let winding = i32::from(piece.winding);
+            if let Some((y, step)) = base.step(piece) {
+                self.steps.push((y, step, leaf));
+            }
+            let [x0, y0, x1, y1] = [piece.x0, piece.y0, piece.x1, piece.y1].map(i32::from);
+            if (x0, y0) != (x1, y1) {
+                self.chords.push(Chord { x0, y0, x1, y1, winding, leaf });
+            }
+        }
+        self.corner.push((base.corner(), rule));
+    }
+
+    /// The regions: sets of fragments, one bit each, and their areas, or `None` where borders cross.
+    pub fn regions(&mut self) -> Option<&[(u64, i64)]> {
+        if self.corner.len() > MOST_LEAVES || self.chords.len() > MOST_PIECES || self.borders_meet() {
+            return None;
+        }
+        self.regions.clear();
+        self.sum_left_border();
+        self.sum_pieces();
+        self.mend_rounding();
+        Some(&self.regions)
+    }
+
+    fn borders_meet(&self) -> bool {
+        self.chords.iter().enumerate().any(|(i, a)| {
+            let earlier = self.chords[..i].iter().take_while(|b| b.leaf != a.leaf);
+            earlier.into_iter().any(|b| meet(a, b))
+        })
+    }
+
+    fn sum_left_border(&mut self) {
+        self.steps.sort_unstable();
+        self.windings.clear();
+        self.windings.extend(self.corner.iter().map(|&(winding, _)| winding));
+        let mut from = 0;
+        for i in 0..self.steps.len() {
+            let (y, step, leaf) = self.steps[i];
+            self.add_area(self.inside(), i64::from(i32::from(y) - from) * i64::from(2 * ONE));
+            from = y.into();
+            self.windings[leaf as usize] += step;
+        }
+        self.add_area(self.inside(), i64::from(ONE - from) * i64::from(2 * ONE));
+    }
+
+    fn sum_pieces(&mut self) {
+        for i in 0..self.chords.len() {
+            let Chord { x0, y0, x1, y1, .. } = self.chords[i];
+            if y0 == y1 {
+                continue;
+            }
+            // The middle, in halves of fixed point.
+            let (x, y) = (x0 + x1, y0 + y1);
+            self.windings.clear();
+            self.windings.extend(self.corner.iter().map(|&(winding, _)| winding));
+            for &(at, step, leaf) in &self.steps {
+                self.windings[leaf as usize] += step * i32::from(2 * i32::from(at) <= y);
+            }
+            let mut first_of_twins = true;
+            for (j, c) in self.chords.iter().enumerate() {
+                if 2 * c.y0 <= y && y < 2 * c.y1 {
+                    let side = (c.x1 - c.x0) * (y - 2 * c.y0) - (x - 2 * c.x0) * (c.y1 - c.y0);
+                    self.windings[c.leaf as usize] += c.winding * i32::from(side < 0);
+                    first_of_twins &= side != 0 || j >= i;
+                }
+            }
+            if !first_of_twins {
+                continue;
+            }
+            let left = self.inside();
+            for c in &self.chords[i..] {
+                if (c.x0, c.y0, c.x1, c.y1) == (x0, y0, x1, y1) {
+                    self.windings[c.leaf as usize] += c.winding;
+                }
+            }
+            let right = self.inside();
+            if left != right {
+                let area = i64::from(y1 - y0) * i64::from(2 * ONE - x);
+                self.add_area(right, area);
+                self.add_area(left, -area);
+            }
+        }
+    }
+
+    /// The fragments whose winding number is inside by their rule.
+    #[inline]
+    fn inside(&self) -> u64 {
+        let bit = |(i, (&winding, &(_, rule))): (usize, (&i32, &(i32, FillRule)))| u64::from(rule.inside(winding)) << i;
+        self.windings.iter().zip(&self.corner).enumerate().map(bit).sum()
+    }
+
+    #[inline]
+    fn add_area(&mut self, set: u64, area: i64) {
+        match self.regions.iter_mut().find(|(known, _)| *known == set) {
+            Some((_, sum)) => *sum += area,
+            None => self.regions.push((set, area)),
+        }
+    }
+
+    /// Pieces that were cut where they cross have rounded ends, so that a region may come out a few
+    /// units short of nothing. It becomes nothing, at the largest one's cost.
+    fn mend_rounding(&mut self) {
+        let mut missing = 0;
+        for (_, area) in &mut self.regions {
+            missing += (*area).min(0);
+            *area = (*area).max(0);
+        }
+        if let Some((_, largest)) = self.regions.iter_mut().max_by_key(|(set, area)| (*area, *set)) {
+            *largest += missing;
+        }
+        debug_assert_eq!(self.regions.iter().map(|(_, area)| area).sum::<i64>(), PIXEL_AREA);
+    }
+}
+
+/// Do the pieces meet other than in their end points? The same piece twice does not.
+fn meet(a: &Chord, b: &Chord) -> bool {
+    super::fragment::interiors_meet([a.x0, a.y0, a.x1, a.y1], [b.x0, b.y0, b.x1, b.y1])
+}
