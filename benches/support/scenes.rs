@@ -1,7 +1,7 @@
 //! Makes the drawings that are timed, as SVG text on a square of 1000 x 1000 user units.
 //!
 //! They need no files: the same text comes out everywhere. Each stresses one thing; the notes in
-//! [`all`] say what.
+//! [`SCENES`] say what.
 
 use super::random::Random;
 use std::f64::consts::{PI, TAU};
@@ -13,8 +13,11 @@ pub struct Drawing {
     pub svg: Vec<u8>,
 }
 
+/// Makes a scene's SVG text.
+type Maker = fn() -> String;
+
 /// Name and maker of each scene, in the tables' order.
-const SCENES: [(&str, fn() -> String); 8] = [
+const SCENES: [(&str, Maker); 8] = [
     ("tiger", tiger),             // ~180 shapes of many curves, half of them stroked, layered
     ("emoji", emoji),             // 64 small pictures: short curves, no strokes
     ("map", map),                 // 3,000 regions which share fractal borders exactly
