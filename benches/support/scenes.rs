@@ -18,7 +18,7 @@ type Maker = fn() -> String;
 
 /// Name and maker of each scene, in the tables' order.
 const SCENES: [(&str, Maker); 8] = [
-    ("tiger", tiger),             // ~180 shapes of many curves, half of them stroked, layered
+    ("tiger", tiger),             // 203 shapes of many curves, half of them stroked, layered
     ("emoji", emoji),             // 64 small pictures: short curves, no strokes
     ("map", map),                 // 3,000 regions which share fractal borders exactly
     ("mesh", mesh),               // 20,000 triangles, every edge shared
@@ -97,12 +97,12 @@ fn shape(svg: &mut String, data: &str, attributes: &str) {
     writeln!(svg, r#"<path d="{data}" {attributes}/>"#).expect("a string takes all");
 }
 
-/// A striped cat's head: big soft shapes, some 110 tapered stripes, whiskers and fur.
+/// A striped cat's head: big soft shapes, tufts of fur, some 100 tapered stripes, whiskers; no
+/// background, as the well-known tiger has none.
 fn tiger() -> String {
     let mut random = Random::new(1);
     let mut svg = String::from(OPEN);
     let outline = r##"stroke="#2b1608" stroke-width="3""##;
-    shape(&mut svg, "M0 0H1000V1000H0Z", r##"fill="#e8e2c8""##);
     for side in [-1.0, 1.0] {
         for (size, fill) in [(150.0, "#d97a1e"), (110.0, "#f2c28b"), (70.0, "#8a4a3a")] {
             let points = ring(&mut random, (500.0 + side * 290.0, 230.0), (size, size), 0.06, 9);
@@ -120,10 +120,34 @@ fn tiger() -> String {
         let points = ring(&mut random, centre, radius, 0.05, 16);
         shape(&mut svg, &smooth(&points), &format!(r#"fill="{fill}" {outline}"#));
     }
+    fur(&mut svg, &mut random);
     stripes(&mut svg, &mut random);
     eyes_and_nose(&mut svg, &mut random);
     whiskers(&mut svg, &mut random);
     svg + CLOSE
+}
+
+/// Tufts like combs: a smooth inner line, and teeth which point outwards.
+fn fur(svg: &mut String, random: &mut Random) {
+    const TEETH: usize = 12;
+    for i in 0..36 {
+        let radius = 400.0 - 4.5 * f64::from(i);
+        let start = random.within(0.0, TAU);
+        let polar = |r: f64, a: f64| (500.0 + r * a.cos(), 520.0 + r * a.sin());
+        let step = random.within(0.035, 0.055);
+        let mut points = Vec::new();
+        for tooth in 0..TEETH {
+            let angle = start + step * tooth as f64;
+            points.push(polar(radius, angle));
+            points.push(polar(radius + random.within(14.0, 40.0), angle + step * random.within(0.4, 1.2)));
+        }
+        for back in (0..TEETH).rev() {
+            points.push(polar(radius - 16.0, start + step * back as f64));
+        }
+        let fill = random.pick(&["#f6b25a", "#d97a1e", "#fbe0b4", "#c9691a"]);
+        let pen = if i % 4 == 0 { r##"stroke="#7a3d10" stroke-width="1""## } else { "" };
+        shape(svg, &smooth(&points), &format!(r#"fill="{fill}" {pen}"#));
+    }
 }
 
 /// Pairs of tapered stripes which point at the middle of the face, mirrored.
