@@ -5,19 +5,19 @@ use std::fmt::Write;
 
 pub fn heading(check: bool) -> String {
     let mut line = format!(
-        "{:<24} {:>9} {:>3} {:>9} {:>9} {:>9} {:>7} {:>7}",
-        "scene", "size", "thr", "tiny-skia", "vello", "exact", "E/S", "E/V"
+        "{:<24} {:>9} {:>3} {:>9} {:>9} {:>9} {:>7} {:>7} {:>9} {:>9} {:>9}",
+        "scene", "size", "thr", "tiny-skia", "vello", "exact", "E/S", "E/V", "min S", "min V", "min E"
     );
     if check {
-        line += "  vello-S  exact-S";
+        line += "   vello-S  exact-S";
     }
     line
 }
 
-/// Medians in milliseconds, and their ratios.
+/// Medians in milliseconds, their ratios, and the shortest times.
 pub fn line(row: &Row) -> String {
     let mut line = format!(
-        "{:<24} {:>9} {:>3} {:>9.2} {:>9.2} {:>9.2} {:>7.2} {:>7.2}",
+        "{:<24} {:>9} {:>3} {:>9.2} {:>9.2} {:>9.2} {:>7.2} {:>7.2} {:>9.2} {:>9.2} {:>9.2}",
         row.scene,
         format!("{}x{}", row.width, row.height),
         row.threads,
@@ -26,9 +26,12 @@ pub fn line(row: &Row) -> String {
         row.exact.median,
         row.exact_to_tiny_skia(),
         row.exact_to_vello(),
+        row.tiny_skia.min,
+        row.vello.min,
+        row.exact.min,
     );
     if let Some(d) = row.differences {
-        write!(line, " {:>8.3} {:>8.3}", d.vello, d.exact).expect("a string takes all");
+        write!(line, "  {:>8.3} {:>8.3}", d.vello, d.exact).expect("a string takes all");
     }
     line
 }
