@@ -1,0 +1,137 @@
+//! Takes measured rows, makes a table for people and JSON for scripts.
+
+use super::measure::{Row, Times};
+use std::fmt::Write;
+
+pub fn heading(check: bool) -> String {
+    let mut line = format!(
+        "{:<24} {:>9} {:>3} {:>9} {:>9} {:>9} {:>7} {:>7} {:>9} {:>9} {:>9}",
+        "scene", "size", "thr", "tiny-skia", "vello", "exact", "E/S", "E/V", "min S", "min V", "min E"
+    );
+    if check {
+        line += "   vello-S  exact-S";
+    }
+    line
+}
+
+/// Medians in milliseconds, their ratios, and the shortest times.
+pub fn line(row: &Row) -> String {
+    let mut line = format!(
+        "{:<24} {:>9} {:>3} {:>9.2} {:>9.2} {:>9.2} {:>7.2} {:>7.2} {:>9.2} {:>9.2} {:>9.2}",
+        row.scene,
+        format!("{}x{}", row.width, row.height),
+        row.threads,
+        row.tiny_skia.median,
+        row.vello.median,
+        row.exact.median,
+        row.exact_to_tiny_skia(),
+        row.exact_to_vello(),
+        row.tiny_skia.min,
+        row.vello.min,
+        row.exact.min,
+    );
+    if let Some(d) = row.differences {
+        write!(line, "  {:>8.3} {:>8.3}", d.vello, d.exact).expect("a string takes all");
+    }
+    line
+}
+
+/// One line for each size and number of threads: the geometric means of the ratios over its scenes.
+pub fn means(rows: &[Row]) -> String {
+    let mut text = String::from("geometric means of the ratios\n");
+    let mut seen = Vec::new();
+    for row in rows {
+        let longest = |r: &Row| r.width.max(r.height);
+        let key = (longest(row), row.threads);
+        if seen.contains(&key) {
+            continue;
+        }
+        seen.push(key);
+        let group: Vec<&Row> = rows.iter().filter(|r| (longest(r), r.threads) == key).collect();
+        let mean = |ratio: fn(&Row) -> f64| {
+            (group.iter().map(|r| ratio(r).ln()).sum::<f64>() / group.len() as f64).exp()
+        };
+        writeln!(
+            text,
+            "  {} px, {} thread(s), {} scene(s): exact/tiny-skia {:.3}, exact/vello {:.3}",
+            key.0,
+            key.1,
+            group.len(),
+            mean(Row::exact_to_tiny_skia),
+            mean(Row::exact_to_vello),
+        )
+        .expect("a string takes all");
+    }
+    text
+}
+
+/// Where toon-raster's time goes, and what it counted.
+pub fn stages(rows: &[Row]) -> String {
+    let mut text = String::from("toon-raster by stage: milliseconds, summed over threads\n");
+    for row in rows.iter().filter(|r| !r.stages.is_empty() || !r.counts.is_empty()) {
+        let total: f64 = row.stages.iter().map(|(_, time)| time).sum();
+        write!(text, "  {} {} px, {} thr:", row.scene, row.width.max(row.height), row.threads)
+            .expect("a string takes all");
+        for (name, time) in &row.stages {
+            let share = 100.0 * time / total.max(f64::MIN_POSITIVE);
+            write!(text, "  {name} {time:.2} ({share:.0}%)").expect("a string takes all");
+        }
+        if !row.counts.is_empty() {
+            write!(text, "\n     ").expect("a string takes all");
+        }
+        for (name, count) in &row.counts {
+            write!(text, " {name} {count}").expect("a string takes all");
+        }
+        text.push('\n');
+    }
+    text
+}
+
+/// The same figures as one JSON object: `machine`, and `results` with one object a row.
+pub fn json(machine: &str, rows: &[Row]) -> String {
+    let results: Vec<String> = rows.iter().map(row_json).collect();
+    format!("{{\"machine\": {}, \"results\": [\n{}\n]}}\n", quoted(machine), results.join(",\n"))
+}
+
+fn row_json(row: &Row) -> String {
+    let stages: Vec<String> = row.stages.iter().map(|(n, ms)| format!("{}: {ms:.4}", quoted(n))).collect();
+    let counts: Vec<String> = row.counts.iter().map(|(n, count)| format!("{}: {count}", quoted(n))).collect();
+    let mut text = format!(
+        "  {{\"scene\": {}, \"width\": {}, \"height\": {}, \"threads\": {}, \"runs\": {}, \"tiny_skia_ms\": {}, \
+         \"vello_ms\": {}, \"exact_ms\": {}, \"exact_to_tiny_skia\": {:.4}, \"exact_to_vello\": {:.4}, \
+         \"stages_ms\": {{{}}}, \"counts\": {{{}}}",
+        quoted(&row.scene),
+        row.width,
+        row.height,
+        row.threads,
+        row.runs,
+        times_json(row.tiny_skia),
+        times_json(row.vello),
+        times_json(row.exact),
+        row.exact_to_tiny_skia(),
+        row.exact_to_vello(),
+        stages.join(", "),
+        counts.join(", "),
+    );
+    if let Some(d) = row.differences {
+        write!(text, ", \"mean_difference\": {{\"vello\": {:.4}, \"exact\": {:.4}}}", d.vello, d.exact)
+            .expect("a string takes all");
+    }
+    text + "}"
+}
+
+fn times_json(times: Times) -> String {
+    format!("{{\"median\": {:.4}, \"min\": {:.4}, \"max\": {:.4}}}", times.median, times.min, times.max)
+}
+
+fn quoted(text: &str) -> String {
+    let mut out = String::from('"');
+    for c in text.chars() {
+        match c {
+            '"' | '\\' => out.extend(['\\', c]),
+            c if c < ' ' => write!(out, "\\u{:04x}", c as u32).expect("a string takes all"),
+            c => out.push(c),
+        }
+    }
+    out + "\""
+}
