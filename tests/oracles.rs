@@ -89,7 +89,7 @@ fn the_sweep_finds_what_resvg_draws_without_anti_aliasing_at_32_times_the_size()
 fn the_sweep_knows_the_winding_rules() {
     let twice = Layer::of(&[corners(0.0, 0.0, 1.0, 1.0), corners(0.0, 0.0, 0.5, 1.0)]);
     let white = [[255, 255, 255]];
-    let full = Sweep::exact(&[twice.clone()]).picture(1, 1, opaque([0, 0, 0], &white));
+    let full = Sweep::exact(std::slice::from_ref(&twice)).picture(1, 1, opaque([0, 0, 0], &white));
     let half = Sweep::exact(&[twice.even_odd()]).picture(1, 1, opaque([0, 0, 0], &white));
     assert_eq!(full.pixel(0, 0), [255.0; 4]);
     assert_eq!(half.pixel(0, 0), [127.5, 127.5, 127.5, 255.0]);

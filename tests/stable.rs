@@ -218,7 +218,7 @@ fn edges_on_pixel_borders_light_one_side_only() {
 #[test]
 fn edges_through_pixel_corners_halve_the_pixels_on_their_way() {
     let diamond = vec![[8.0, 2.0], [14.0, 8.0], [8.0, 14.0], [2.0, 8.0]];
-    let truth = coverage(16, 16, &[diamond.clone()]);
+    let truth = coverage(16, 16, std::slice::from_ref(&diamond));
     assert!(truth.data.iter().all(|p| [0.0, 127.5, 255.0].contains(&p[0])));
     let picture = draw(16, 16, &[Layer::new(&diamond)], &[WHITE]);
     assert_matches(&picture, &truth, STRAIGHT, "diamond");
@@ -843,7 +843,7 @@ fn vertices_which_touch_a_pixels_border_mark_nothing() {
             ([0.5, 3.0], [3.0, 2.75]),
         ] {
             let triangle = vec![tip, a, b];
-            assert_white(3, 3, &[triangle.clone()], "tip");
+            assert_white(3, 3, std::slice::from_ref(&triangle), "tip");
             let back = Layer::new(&corners(0.0, 0.0, 3.0, 3.0));
             assert_exact(3, 3, &[back, Layer::new(&triangle)], &[RED, WHITE], "tip before red");
         }
