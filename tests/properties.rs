@@ -103,41 +103,46 @@ impl Outline {
 #[derive(Clone, Debug)]
 struct Shape {
     outlines: Vec<Outline>,
-    colour: String,
-    attributes: String,
+    colour: [u8; 3],
+    opacity: f64,
+    rule: Rule,
     clip: Option<Outline>,
 }
 
 /// Several shapes, back to front: opaque and translucent, of both rules, some clipped.
 fn random_shapes(rng: &mut Rng, curved: bool) -> Vec<Shape> {
     (0..10)
-        .map(|_| {
-            let opacity = ["1", "1", ".5", ".25"][rng.below(4) as usize];
-            let rule = ["nonzero", "evenodd"][rng.below(2) as usize];
-            Shape {
-                outlines: (0..1 + rng.below(3)).map(|_| Outline::random(rng, curved)).collect(),
-                colour: hex(rng.colour()),
-                attributes: format!("fill-opacity=\"{opacity}\" fill-rule=\"{rule}\""),
-                clip: (rng.below(4) == 0).then(|| Outline::random(rng, curved)),
-            }
+        .map(|_| Shape {
+            outlines: (0..1 + rng.below(3)).map(|_| Outline::random(rng, curved)).collect(),
+            colour: rng.colour(),
+            opacity: [1.0, 1.0, 0.5, 0.25][rng.below(4) as usize],
+            rule: [Rule::NonZero, Rule::EvenOdd][rng.below(2) as usize],
+            clip: (rng.below(4) == 0).then(|| Outline::random(rng, curved)),
         })
         .collect()
 }
 
-/// The document of these shapes, whose outlines are walked as `walk` says.
-fn walked(shapes: &[Shape], walk: impl Fn(&[Outline]) -> Vec<Outline>) -> String {
+/// The elements of these shapes, whose outlines are walked as `walk` says; the first shape is
+/// number `first`, for the ids of the clips.
+fn elements(first: usize, shapes: &[Shape], walk: impl Fn(&[Outline]) -> Vec<Outline>) -> String {
     let mut body = String::new();
     for (i, shape) in shapes.iter().enumerate() {
         let data = |outlines: &[Outline]| walk(outlines).iter().map(Outline::data).collect::<String>();
-        let mut attributes = shape.attributes.clone();
+        let rule = if shape.rule == Rule::EvenOdd { "evenodd" } else { "nonzero" };
+        let mut attributes = format!("fill-opacity=\"{}\" fill-rule=\"{rule}\"", shape.opacity);
         if let Some(clip) = &shape.clip {
-            let clip = data(std::slice::from_ref(clip));
-            body += &format!("<clipPath id=\"c{i}\"><path d=\"{clip}\"/></clipPath>");
-            attributes += &format!(" clip-path=\"url(#c{i})\"");
+            let (id, clip) = (first + i, data(std::slice::from_ref(clip)));
+            body += &format!("<clipPath id=\"c{id}\"><path d=\"{clip}\"/></clipPath>");
+            attributes += &format!(" clip-path=\"url(#c{id})\"");
         }
-        body += &path(&data(&shape.outlines), &shape.colour, &attributes);
+        body += &path(&data(&shape.outlines), &hex(shape.colour), &attributes);
     }
-    svg(SIDE, SIDE, &body)
+    body
+}
+
+/// The document of these shapes, whose outlines are walked as `walk` says.
+fn walked(shapes: &[Shape], walk: impl Fn(&[Outline]) -> Vec<Outline>) -> String {
+    svg(SIDE, SIDE, &elements(0, shapes, walk))
 }
 
 fn document(shapes: &[Shape]) -> String {
@@ -153,6 +158,61 @@ fn assert_walk_is_free(seed: u64, what: &str, walk: impl Fn(&[Outline]) -> Vec<O
         let expected = render(&document(&shapes));
         assert!(expected.data().iter().any(|&b| b != 0), "the scene is in the picture");
         assert_same_bytes(&render(&walked(&shapes, &walk)), &expected, &format!("{what}, round {round}"));
+    }
+}
+
+// -------------------------------------------------------------------------------------------- truth
+
+/// The layers of straight shapes and their clips, and of each shape which layers are its own.
+fn layers(shapes: &[Shape]) -> (Vec<Layer>, Vec<(usize, Option<usize>)>) {
+    let ring = |outline: &Outline| {
+        let ends = outline.pieces.iter().map(|piece| piece.end());
+        std::iter::once(outline.start).chain(ends).collect::<Vec<Point>>()
+    };
+    let (mut layers, mut own) = (Vec::new(), Vec::new());
+    for shape in shapes {
+        own.push((layers.len(), shape.clip.as_ref().map(|_| layers.len() + 1)));
+        layers.push(Layer { rings: shape.outlines.iter().map(ring).collect(), rule: shape.rule });
+        layers.extend(shape.clip.as_ref().map(|clip| Layer::new(&ring(clip))));
+    }
+    (layers, own)
+}
+
+/// Premultiplied colour, 0 to 1, in front of another.
+fn over(front: [f64; 4], back: [f64; 4]) -> [f64; 4] {
+    std::array::from_fn(|i| front[i] + (1.0 - front[3]) * back[i])
+}
+
+#[test]
+fn random_scenes_of_rules_veils_clips_and_a_group_are_the_exact_picture() {
+    let mut rng = Rng::new(21);
+    for round in 0..12 {
+        let shapes = random_shapes(&mut rng, false);
+        let (back, front) = shapes.split_at(6);
+        // Six shapes in a group of opacity 3/4, four before it, on white.
+        let same = <[Outline]>::to_vec;
+        let body = format!(
+            "{}<g opacity=\".75\">{}</g>{}",
+            rect(0.0, 0.0, SIDE.into(), SIDE.into(), "#fff"),
+            elements(0, back, same),
+            elements(6, front, same)
+        );
+        let (layers, own) = layers(&shapes);
+        let truth = Sweep::exact(&layers).picture(SIDE, SIDE, |inside| {
+            let seen = |range: std::ops::Range<usize>, mut below: [f64; 4]| {
+                for i in range {
+                    let (shape, clip) = own[i];
+                    if inside[shape] && clip.is_none_or(|clip| inside[clip]) {
+                        let [r, g, b] = shapes[i].colour.map(|c| f64::from(c) / 255.0 * shapes[i].opacity);
+                        below = over([r, g, b, shapes[i].opacity], below);
+                    }
+                }
+                below
+            };
+            let group = seen(0..6, [0.0; 4]).map(|channel| 0.75 * channel);
+            seen(6..10, over(group, [1.0; 4])).map(|channel| 255.0 * channel)
+        });
+        assert_matches(&render(&svg(SIDE, SIDE, &body)), &truth, STRAIGHT, &format!("round {round}"));
     }
 }
 
@@ -321,17 +381,18 @@ fn a_shape_added_behind_an_opaque_one_changes_no_byte() {
             vec![middle(front[0], front[1]), middle(front[1], front[2]), middle(front[2], front[0])],
         ][round % 4]
             .clone();
-        let triangle = |points: &[Point], colour: &str| Shape {
+        let triangle = |points: &[Point], colour: [u8; 3]| Shape {
             outlines: vec![Outline {
                 start: points[0],
                 pieces: [1, 2, 0].map(|i| Piece::Line(points[i])).into(),
             }],
-            colour: colour.into(),
-            attributes: String::new(),
+            colour,
+            opacity: 1.0,
+            rule: Rule::NonZero,
             clip: None,
         };
-        let without = [before, &[triangle(&front, "#123456")], after].concat();
-        let with = [before, &[triangle(&inner, "#f00"), triangle(&front, "#123456")], after].concat();
+        let without = [before, &[triangle(&front, [18, 52, 86])], after].concat();
+        let with = [before, &[triangle(&inner, [255, 0, 0]), triangle(&front, [18, 52, 86])], after].concat();
         let expected = render(&document(&without));
         assert_same_bytes(&render(&document(&with)), &expected, &format!("round {round}"));
     }
@@ -346,16 +407,10 @@ fn shapes_behind_an_opaque_backdrop_change_no_byte() {
     let mut rng = Rng::new(11);
     let backdrop = rect(0.0, 0.0, SIDE.into(), SIDE.into(), "#abc");
     for round in 0..8 {
-        let front = document(&random_shapes(&mut rng, round % 2 == 1));
-        let hidden =
-            document(&random_shapes(&mut rng, round % 2 == 1)).replace("\"c", "\"h").replace("#c", "#h");
-        let inner = |document: &str| {
-            let (start, end) =
-                (document.find('>').expect("a tag") + 1, document.rfind("</svg>").expect("an end"));
-            document[start..end].to_owned()
-        };
-        let without = render(&svg(SIDE, SIDE, &(backdrop.clone() + &inner(&front))));
-        let with = render(&svg(SIDE, SIDE, &(inner(&hidden) + &backdrop + &inner(&front))));
+        let front = elements(0, &random_shapes(&mut rng, round % 2 == 1), <[Outline]>::to_vec);
+        let hidden = elements(100, &random_shapes(&mut rng, round % 2 == 1), <[Outline]>::to_vec);
+        let without = render(&svg(SIDE, SIDE, &format!("{backdrop}{front}")));
+        let with = render(&svg(SIDE, SIDE, &format!("{hidden}{backdrop}{front}")));
         assert_same_bytes(&with, &without, &format!("round {round}"));
     }
 }
@@ -557,7 +612,10 @@ fn bands_are_the_rows_of_the_picture_from_top_to_bottom() {
             let whole = renderer.render(&scene, &viewport).expect("a picture");
             let mut rows = Vec::new();
             let sink = |band: &[u8]| {
-                assert!(!band.is_empty() && band.len() % (width as usize * 4) == 0, "a band of whole rows");
+                assert!(
+                    !band.is_empty() && band.len().is_multiple_of(width as usize * 4),
+                    "a band of whole rows"
+                );
                 rows.extend_from_slice(band);
                 Ok(())
             };

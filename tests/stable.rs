@@ -519,6 +519,23 @@ fn coordinates_of_a_million_under_a_view_box_are_as_exact_as_small_ones() {
 }
 
 #[test]
+fn a_slanted_edge_between_far_off_corners_is_exact_where_it_crosses_the_picture() {
+    for far in [1e3, 1e6, 1.34217728e8] {
+        for (a, b) in [
+            ([-far, -far / 2.0], [far, far / 2.0]),
+            ([8.0 - far / 4.0, -far], [8.0 + far / 4.0, far]),
+            ([-far, 12.0], [far, 3.0]),
+        ] {
+            let triangle = vec![a, b, [-far, far]];
+            let picture = draw(16, 16, &[Layer::new(&triangle)], &[WHITE]);
+            let truth = coverage(16, 16, &[triangle]);
+            assert!(truth.data.iter().any(|p| p[0] > 1.0 && p[0] < 254.0), "the edge crosses the picture");
+            assert_matches(&picture, &truth, STRAIGHT, &format!("{a:?} to {b:?}"));
+        }
+    }
+}
+
+#[test]
 fn thousands_of_tiny_polygons_in_one_pixel_add_up() {
     // A chequerboard of 64 × 64 squares of 1/64 px: half of one pixel; then all of it.
     let square = |i: u32| {
