@@ -126,7 +126,9 @@ fn shapes_outside_the_picture_leave_no_trace_in_it() {
         + &rect(4.0, -9.0, 9.0, 9.0, "#f00")
         + &rect(-9.0, -9.0, 9.0, 0.0, "#f00")
         + &rect(-9.0, 4.0, 9.0, 9.0, "#f00");
-    assert_eq!(render(&svg(4, 4, &outside)), Pixmap::new(4, 4));
+    let inside = rect(1.0, 1.0, 2.5, 3.0, "#00f");
+    let both = render(&svg(4, 4, &(outside + &inside)));
+    assert_same_bytes(&both, &render(&svg(4, 4, &inside)), "shapes outside");
 }
 
 #[test]

@@ -121,6 +121,12 @@ pub fn assert_levels(actual: [u8; 4], expected: [f64; 4], tolerance: f64) {
     assert!(off <= tolerance, "pixel is {actual:?}, should be {expected:?} within {tolerance}: off by {off}");
 }
 
+/// A picture in which there is something: two empty ones are alike and prove nothing.
+#[track_caller]
+pub fn assert_drawn(picture: &Pixmap, what: &str) {
+    assert!(picture.data().chunks(4).any(|pixel| pixel[3] > 0), "{what}: the picture is empty");
+}
+
 /// Two pictures with the very same bytes.
 #[track_caller]
 pub fn assert_same_bytes(actual: &Pixmap, expected: &Pixmap, what: &str) {
@@ -144,6 +150,7 @@ pub fn assert_mapped_within(
     what: &str,
     source: impl Fn(u32, u32) -> (u32, u32),
 ) {
+    assert_drawn(expected, what);
     for y in 0..actual.height() {
         for x in 0..actual.width() {
             let (from_x, from_y) = source(x, y);
