@@ -4,11 +4,12 @@
 //!
 //! ```text
 //! cargo run --release --example corpus_check -- DIR... [--size N] [--stroker kurbo|pieces]
-//!     [--truth-only]
+//!     [--truth-only] [--resvg N]
 //! ```
 //!
-//! `--size` is the width in pixels (256); `--truth-only` times the truth itself and compares nothing
-//! but its own rounding.
+//! `--size` is the width in pixels (256). Two ways to look at the truth itself: `--truth-only`
+//! compares nothing but its own rounding; `--resvg N` puts resvg's picture, N times as large and
+//! filtered down, in the place of ours (it nears the truth as N grows).
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -26,6 +27,7 @@ struct Arguments {
     width: u32,
     stroker: Stroker,
     truth_only: bool,
+    resvg_times: Option<u32>,
 }
 
 fn main() {
@@ -55,8 +57,13 @@ fn main() {
 }
 
 fn arguments() -> Result<Arguments, String> {
-    let mut parsed =
-        Arguments { folders: Vec::new(), width: 256, stroker: Stroker::default(), truth_only: false };
+    let mut parsed = Arguments {
+        folders: Vec::new(),
+        width: 256,
+        stroker: Stroker::default(),
+        truth_only: false,
+        resvg_times: None,
+    };
     let mut given = std::env::args().skip(1);
     while let Some(argument) = given.next() {
         let mut value = || given.next().ok_or(format!("{argument} needs a value"));
@@ -71,6 +78,10 @@ fn arguments() -> Result<Arguments, String> {
                     "pieces" => Stroker::Pieces,
                     _ => return Err("--stroker is kurbo or pieces".into()),
                 }
+            }
+            "--resvg" => {
+                let times = value()?.parse().ok().filter(|times| (1..=64).contains(times));
+                parsed.resvg_times = Some(times.ok_or("--resvg is a number from 1 to 64")?);
             }
             "--truth-only" => parsed.truth_only = true,
             flag if flag.starts_with("--") => return Err(format!("there is no {flag}")),
@@ -142,7 +153,11 @@ fn check(file: &Path, arguments: &Arguments) -> Result<Checked, String> {
     let truth_time = start.elapsed();
 
     let start = Instant::now();
-    let picture = if arguments.truth_only { truth.to_pixmap() } else { render(&scene, &viewport)? };
+    let picture = match arguments.resvg_times {
+        Some(times) => resvg_filtered_down(&tree, &viewport, times)?,
+        None if arguments.truth_only => truth.to_pixmap(),
+        None => render(&scene, &viewport)?,
+    };
     let render_time = start.elapsed();
     Ok(Checked {
         straight: reference::edges_are_straight(&tree),
@@ -157,6 +172,30 @@ fn check(file: &Path, arguments: &Arguments) -> Result<Checked, String> {
 fn render(scene: &Scene, viewport: &Viewport) -> Result<Pixmap, String> {
     let mut renderer = Renderer::new(Settings::default()).map_err(|error| error.to_string())?;
     renderer.render(scene, viewport).map_err(|error| error.to_string())
+}
+
+/// resvg's picture `times` as large, each pixel the mean of its `times` x `times`.
+fn resvg_filtered_down(tree: &usvg::Tree, viewport: &Viewport, times: u32) -> Result<Pixmap, String> {
+    let (width, height) = (viewport.width * times, viewport.height * times);
+    let mut large = resvg::tiny_skia::Pixmap::new(width, height).ok_or("is too large for resvg")?;
+    let [a, b, c, d, e, f] = viewport.transform.as_coeffs().map(|value| (value * f64::from(times)) as f32);
+    resvg::render(tree, resvg::tiny_skia::Transform::from_row(a, b, c, d, e, f), &mut large.as_mut());
+    let mut sums = vec![[0u64; 4]; viewport.width as usize * viewport.height as usize];
+    for (at, pixel) in large.pixels().iter().enumerate() {
+        let (x, y) = (at as u32 % width / times, at as u32 / width / times);
+        let levels = [pixel.red(), pixel.green(), pixel.blue(), pixel.alpha()];
+        let sum = &mut sums[(y * viewport.width + x) as usize];
+        sum.iter_mut().zip(levels).for_each(|(sum, level)| *sum += u64::from(level));
+    }
+    let mut picture = Pixmap::new(viewport.width, viewport.height);
+    for (bytes, sum) in picture.data_mut().chunks_exact_mut(4).zip(sums) {
+        let alpha = sum[3].max(1) as f64;
+        for c in 0..3 {
+            bytes[c] = (sum[c] as f64 / alpha * 255.0).round() as u8;
+        }
+        bytes[3] = (sum[3] as f64 / f64::from(times * times)).round() as u8;
+    }
+    Ok(picture)
 }
 
 #[derive(Default)]
