@@ -13,14 +13,8 @@
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
-use toon_raster::reference::{self, Difference, Stroker, Truth};
+use toon_raster::reference::{self, Bounds, Difference, Stroker, Truth};
 use toon_raster::{Pixmap, Renderer, Scene, Settings, Viewport};
-
-/// The bounds a picture must keep: worst error where edges are straight, worst with curves and
-/// strokes, mean.
-const STRAIGHT: f64 = 0.6;
-const CURVED: f64 = 1.0;
-const MEAN: f64 = 0.25;
 
 struct Arguments {
     folders: Vec<PathBuf>,
@@ -109,20 +103,12 @@ fn find_drawings(path: &Path, files: &mut Vec<PathBuf>) {
 struct Checked {
     straight: bool,
     difference: Difference,
+    passes: bool,
     /// The truth against its own rounding: what no 8-bit picture can better by much.
     floor: Difference,
     truth: Truth,
     render_time: Duration,
     truth_time: Duration,
-}
-
-impl Checked {
-    /// Flat colour between two levels is off by as much everywhere, so that a drawing which is not
-    /// opaque may have a mean above the bound however it is made; then its floor is the bound.
-    fn passes(&self) -> bool {
-        let most = if self.straight { STRAIGHT } else { CURVED };
-        self.difference.max <= most && self.difference.mean <= MEAN.max(self.floor.mean + 0.01)
-    }
 }
 
 /// `Err` says why the file is skipped.
@@ -159,9 +145,11 @@ fn check(file: &Path, arguments: &Arguments) -> Result<Checked, String> {
         None => render(&scene, &viewport)?,
     };
     let render_time = start.elapsed();
+    let difference = truth.compare(&picture);
     Ok(Checked {
         straight: reference::edges_are_straight(&tree),
-        difference: truth.compare(&picture),
+        difference,
+        passes: Bounds::of(&tree, &truth).hold(&difference),
         floor: truth.compare(&truth.to_pixmap()),
         truth,
         render_time,
@@ -215,7 +203,7 @@ struct Tally {
 impl Tally {
     fn add(&mut self, file: &Path, checked: &Checked) {
         let Difference { max, mean, worst, over_1, .. } = checked.difference;
-        let passes = checked.passes();
+        let passes = checked.passes;
         println!(
             "{}  {}  {:>5}  {:>5}  {max:>6.2}  {mean:>6.4} {:>6.4}  {:>5.2}%  {:>13}  {:>10.1}  {:>8.0}  {}{}",
             if passes { "PASS   " } else { "FAIL   " },

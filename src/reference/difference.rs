@@ -1,6 +1,7 @@
 //! Takes an 8-bit picture and the true one, makes the measure of their difference.
 
-use super::truth::straight;
+use super::census::edges_are_straight;
+use super::truth::{straight, Truth};
 
 /// How far an 8-bit picture is from the truth, in 8-bit levels.
 ///
@@ -61,6 +62,30 @@ impl Difference {
             *share /= pixels;
         }
         all
+    }
+}
+
+/// How far a picture may be from the truth and still be called exact.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bounds {
+    /// The most that any channel may be off.
+    pub max: f64,
+    /// The most that the mean may be.
+    pub mean: f64,
+}
+
+impl Bounds {
+    /// .6 of a level where all edges are straight, 1 level where some are curved or stroked, and a
+    /// mean of .25. Half a level is rounding. A large area of one translucent colour may lie between
+    /// two levels, so that no picture keeps that mean: then it may be what rounding leaves, and .01.
+    pub fn of(tree: &usvg::Tree, truth: &Truth) -> Bounds {
+        let floor = truth.compare(&truth.to_pixmap()).mean;
+        Bounds { max: if edges_are_straight(tree) { 0.6 } else { 1.0 }, mean: (floor + 0.01).max(0.25) }
+    }
+
+    /// Whether the difference stays within.
+    pub fn hold(&self, difference: &Difference) -> bool {
+        difference.max <= self.max && difference.mean <= self.mean
     }
 }
 

@@ -43,7 +43,7 @@ mod truth;
 mod tests;
 
 pub use census::{edges_are_straight, has_gradients, unsupported, Unsupported};
-pub use difference::Difference;
+pub use difference::{Bounds, Difference};
 pub use truth::Truth;
 
 use crate::{Error, Viewport};
