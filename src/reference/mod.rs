@@ -34,6 +34,8 @@ mod difference;
 mod drawing;
 mod outline;
 mod paint;
+mod pieces;
+mod polyline;
 pub mod rational;
 mod row;
 mod stroke;

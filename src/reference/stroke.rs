@@ -1,6 +1,7 @@
 //! Takes a path and its stroke, makes the outline of what is inked, in pixels.
 
-use super::{outline, Options, Stroker};
+use super::polyline::Polyline;
+use super::{outline, pieces, Options, Stroker};
 use kurbo::{Affine, BezPath, Cap, Join, StrokeOpts};
 use usvg::{tiny_skia_path, LineCap, LineJoin};
 
@@ -19,11 +20,26 @@ pub(super) fn outline(
     let tolerance = options.tolerance / scale;
     let path = outline::bez_path(path);
     let style = style(stroke);
-    transform
-        * match options.stroker {
-            Stroker::Kurbo => kurbo::stroke(&path, &style, &StrokeOpts::default(), tolerance),
-            Stroker::Pieces => todo!(),
+    let outline = match options.stroker {
+        Stroker::Kurbo => kurbo::stroke(&path, &style, &StrokeOpts::default(), tolerance),
+        Stroker::Pieces => pieces(&path, style, tolerance),
+    };
+    transform * outline
+}
+
+fn pieces(path: &BezPath, mut style: kurbo::Stroke, tolerance: f64) -> BezPath {
+    let mut outline = BezPath::new();
+    let dashes = std::mem::take(&mut style.dash_pattern);
+    for line in Polyline::all(path, tolerance) {
+        if dashes.is_empty() {
+            pieces::stroke(&line, &style, tolerance, &mut outline);
+        } else {
+            for dash in line.dashes(&dashes, style.dash_offset) {
+                pieces::stroke(&dash, &style, tolerance, &mut outline);
+            }
         }
+    }
+    outline
 }
 
 /// The stroke's style in kurbo's words. `miter-clip` is drawn as `miter`.
