@@ -128,7 +128,7 @@ fn check(file: &Path, arguments: &Arguments) -> Result<Checked, String> {
     }
     let scene = Scene::from_tree(&tree).map_err(|error| error.to_string())?;
     let height = f64::from(arguments.width) * scene.size().height / scene.size().width;
-    if !(height <= 16384.0) {
+    if height.is_nan() || height > 16384.0 {
         return Err("is too high for its width".into());
     }
     let viewport = Viewport::fit(&scene, arguments.width, (height.round() as u32).max(1));

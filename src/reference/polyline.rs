@@ -133,11 +133,12 @@ impl Polyline {
     /// line does. In a closed line a dash over the seam is one.
     pub(super) fn dashes(&self, pattern: &[f64], offset: f64) -> Vec<Polyline> {
         let period: f64 = pattern.iter().sum();
-        if !(period > 0.0) || pattern.len() % 2 != 0 {
+        if period.is_nan() || period <= 0.0 || !pattern.len().is_multiple_of(2) {
             return vec![self.clone()];
         }
         let (mut at, mut left) = (0, offset.rem_euclid(period));
-        while left >= pattern[at] {
+        // A dash of no length is a dot; it is not passed over where it stands.
+        while left > 0.0 && left >= pattern[at] {
             left -= pattern[at];
             at = (at + 1) % pattern.len();
         }

@@ -20,26 +20,38 @@ pub(super) fn outline(
     let tolerance = options.tolerance / scale;
     let path = outline::bez_path(path);
     let style = style(stroke);
-    let outline = match options.stroker {
-        Stroker::Kurbo => kurbo::stroke(&path, &style, &StrokeOpts::default(), tolerance),
-        Stroker::Pieces => pieces(&path, style, tolerance),
-    };
+    let mut outline = BezPath::new();
+    match options.stroker {
+        Stroker::Kurbo => {
+            outline = kurbo::stroke(&path, &style, &StrokeOpts::default(), tolerance);
+            // It draws no dots: lines and dashes without length.
+            let dots = style.dash_pattern.is_empty() || style.dash_pattern.contains(&0.0);
+            if dots && style.start_cap != Cap::Butt {
+                let is_dot = |line: &Polyline| line.points.len() == 1;
+                lines(&path, &style, tolerance)
+                    .filter(is_dot)
+                    .for_each(|dot| pieces::stroke(&dot, &style, tolerance, &mut outline));
+            }
+        }
+        Stroker::Pieces => lines(&path, &style, tolerance)
+            .for_each(|line| pieces::stroke(&line, &style, tolerance, &mut outline)),
+    }
     transform * outline
 }
 
-fn pieces(path: &BezPath, mut style: kurbo::Stroke, tolerance: f64) -> BezPath {
-    let mut outline = BezPath::new();
-    let dashes = std::mem::take(&mut style.dash_pattern);
-    for line in Polyline::all(path, tolerance) {
-        if dashes.is_empty() {
-            pieces::stroke(&line, &style, tolerance, &mut outline);
+/// The sub-paths, or their dashes.
+fn lines<'a>(
+    path: &BezPath,
+    style: &'a kurbo::Stroke,
+    tolerance: f64,
+) -> impl Iterator<Item = Polyline> + 'a {
+    Polyline::all(path, tolerance).into_iter().flat_map(|line| {
+        if style.dash_pattern.is_empty() {
+            vec![line]
         } else {
-            for dash in line.dashes(&dashes, style.dash_offset) {
-                pieces::stroke(&dash, &style, tolerance, &mut outline);
-            }
+            line.dashes(&style.dash_pattern, style.dash_offset)
         }
-    }
-    outline
+    })
 }
 
 /// The stroke's style in kurbo's words. `miter-clip` is drawn as `miter`.
