@@ -1,0 +1,126 @@
+//! Takes polylines and a stroke's style, makes what is inked as a union of plain pieces: two half
+//! boxes for each segment, a wedge for each turn, a cap for each end. All pieces wind the same way, so that
+//! together, filled non-zero, they are their union, whatever overlaps.
+//!
+//! ```text
+//!     a +---------------+ b      box of one segment, as wide as the stroke
+//!       |   segment     |  \
+//!       *---------------*   .    wedge at the turn, on its outer side: fan, kite or triangle
+//!       |               |\  |
+//!     d +---------------+ \ .
+//! ```
+
+use super::polyline::Polyline;
+use kurbo::{BezPath, Cap, Join, Point, Stroke, Vec2};
+
+/// The pieces of `line`; `tolerance` is in user units.
+pub(super) fn stroke(line: &Polyline, style: &Stroke, tolerance: f64, out: &mut BezPath) {
+    let mut pieces = Pieces { style, radius: style.width / 2.0, tolerance, out };
+    let points = &line.points;
+    let count = points.len();
+    if count == 1 {
+        let direction = line.direction.normalize();
+        pieces.cap(points[0], direction, style.end_cap);
+        pieces.cap(points[0], -direction, style.start_cap);
+        return;
+    }
+    for (i, &(leaves, arrives)) in line.headings.iter().enumerate() {
+        let next = (i + 1) % count;
+        pieces.segment(points[i], points[next], leaves, arrives);
+        if let Some(after) = line.headings.get(if line.closed { next } else { i + 1 }) {
+            let join = if line.smooth[next] { Join::Round } else { style.join };
+            pieces.join(points[next], arrives, after.0, join);
+        }
+    }
+    if let (false, Some(first), Some(last)) = (line.closed, line.headings.first(), line.headings.last()) {
+        pieces.cap(points[0], -first.0, style.start_cap);
+        pieces.cap(points[count - 1], last.1, style.end_cap);
+    }
+}
+
+struct Pieces<'a> {
+    style: &'a Stroke,
+    radius: f64,
+    tolerance: f64,
+    out: &'a mut BezPath,
+}
+
+impl Pieces<'_> {
+    /// A polygon, turned so that all have the same sense.
+    fn polygon(&mut self, points: &[Point]) {
+        let area: f64 = (0..points.len())
+            .map(|i| points[i].to_vec2().cross(points[(i + 1) % points.len()] - points[i]))
+            .sum();
+        let first = points[0];
+        self.out.move_to(first);
+        if area >= 0.0 {
+            points[1..].iter().for_each(|&point| self.out.line_to(point));
+        } else {
+            points[1..].iter().rev().for_each(|&point| self.out.line_to(point));
+        }
+        self.out.close_path();
+    }
+
+    /// A box whose ends stand across the true path's directions, each half apart; a half which a
+    /// tight turn would fold stands across the chord.
+    fn segment(&mut self, from: Point, to: Point, leaves: Vec2, arrives: Vec2) {
+        let chord = to - from;
+        let across = chord.normalize().turn_90() * self.radius;
+        for side in [1.0, -1.0] {
+            let (start, end) =
+                (leaves.turn_90() * (self.radius * side), arrives.turn_90() * (self.radius * side));
+            let folded = (chord + end - start).dot(chord) <= 0.0;
+            let (start, end) = if folded { (across * side, across * side) } else { (start, end) };
+            self.polygon(&[from, to, to + end, from + start]);
+        }
+    }
+
+    /// The outer side of the turn from one direction to the next.
+    fn join(&mut self, at: Point, before: Vec2, after: Vec2, join: Join) {
+        let (cross, dot) = (before.cross(after), before.dot(after));
+        if cross == 0.0 && dot > 0.0 {
+            return;
+        }
+        let side = if cross > 0.0 { -1.0 } else { 1.0 };
+        let across = |direction: Vec2| direction.turn_90() * (self.radius * side);
+        let (from, to) = (across(before), across(after));
+        match join {
+            Join::Round => self.fan(at, from, cross.atan2(dot)),
+            // The mitre's length over the width is 1 / sin(half the angle between the segments).
+            Join::Miter if 2.0 <= (1.0 + dot) * self.style.miter_limit.powi(2) => {
+                let tip = (from + to) / (1.0 + dot);
+                self.polygon(&[at, at + from, at + tip, at + to]);
+            }
+            Join::Miter | Join::Bevel => self.polygon(&[at, at + from, at + to]),
+        }
+    }
+
+    /// A fan of triangles from `at + from` through `angle`.
+    fn fan(&mut self, at: Point, from: Vec2, angle: f64) {
+        // The sagitta of each chord: radius (1 - cos(half its angle)).
+        let most = 2.0 * (1.0 - (self.tolerance / self.radius).min(1.0)).acos();
+        let count = (angle.abs() / most.max(1e-4)).ceil().max(1.0) as usize;
+        let mut points = vec![at];
+        for i in 0..=count {
+            let turn = angle * i as f64 / count as f64;
+            points.push(
+                at + Vec2::new(
+                    from.x * turn.cos() - from.y * turn.sin(),
+                    from.x * turn.sin() + from.y * turn.cos(),
+                ),
+            );
+        }
+        self.polygon(&points);
+    }
+
+    /// What lies beyond an end at `at`, in `direction`.
+    fn cap(&mut self, at: Point, direction: Vec2, cap: Cap) {
+        match cap {
+            Cap::Butt => {}
+            Cap::Square => self.segment(at, at + direction * self.radius, direction, direction),
+            Cap::Round => {
+                self.fan(at, direction.turn_90() * self.radius, -std::f64::consts::PI);
+            }
+        }
+    }
+}

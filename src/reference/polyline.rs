@@ -1,0 +1,226 @@
+//! Takes paths, makes polylines which remember where they were smooth, and their dashes.
+
+use kurbo::{BezPath, PathEl, Point, Vec2};
+
+/// A flattened sub-path in user space.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Polyline {
+    /// No two neighbours are equal; a closed line does not repeat its first point.
+    pub(super) points: Vec<Point>,
+    /// For each point, whether the line turns there only because a curve was flattened.
+    pub(super) smooth: Vec<bool>,
+    /// For each segment, the directions (of length 1) in which the true path leaves its first point
+    /// and arrives at its last. They are the chord's own but at the ends of curves and of dashes.
+    pub(super) headings: Vec<(Vec2, Vec2)>,
+    pub(super) closed: bool,
+    /// The direction of a line of one point, for its caps.
+    pub(super) direction: Vec2,
+}
+
+impl Polyline {
+    /// Adds a point; whether there is a new segment.
+    fn push(&mut self, point: Point, smooth: bool) -> bool {
+        let Some(&last) = self.points.last() else {
+            self.points.push(point);
+            self.smooth.push(smooth);
+            return false;
+        };
+        if last == point {
+            return false;
+        }
+        let heading = (point - last).normalize();
+        self.headings.push((heading, heading));
+        self.points.push(point);
+        self.smooth.push(smooth);
+        true
+    }
+
+    /// The sub-paths of `path` which have at least one segment.
+    pub(super) fn all(path: &BezPath, tolerance: f64) -> Vec<Polyline> {
+        let mut all = Vec::new();
+        let mut line = Polyline::default();
+        let mut segments = 0;
+        let mut start = Point::ZERO;
+        for element in path.elements() {
+            let last = line.points.last().copied().unwrap_or(start);
+            match *element {
+                PathEl::MoveTo(p) => {
+                    line.finish(segments, &mut all);
+                    (start, segments) = (p, 0);
+                    line = Polyline { direction: Vec2::new(1.0, 0.0), ..Polyline::default() };
+                    line.push(p, false);
+                    continue;
+                }
+                PathEl::ClosePath => {
+                    line.closed = true;
+                    line.finish(segments + 1, &mut all);
+                    segments = 0;
+                    line = Polyline { direction: Vec2::new(1.0, 0.0), ..Polyline::default() };
+                    line.push(start, false);
+                    continue;
+                }
+                PathEl::LineTo(p) => {
+                    line.push(p, false);
+                }
+                PathEl::QuadTo(..) | PathEl::CurveTo(..) => line.push_curve(last, *element, tolerance),
+            }
+            segments += 1;
+        }
+        line.finish(segments, &mut all);
+        all
+    }
+
+    fn push_curve(&mut self, from: Point, curve: PathEl, tolerance: f64) {
+        let mut points = Vec::new();
+        kurbo::flatten([PathEl::MoveTo(from), curve], tolerance, |element| {
+            if let PathEl::LineTo(p) = element {
+                points.push(p);
+            }
+        });
+        let end = points.pop();
+        let first = self.headings.len();
+        points.into_iter().for_each(|point| {
+            self.push(point, true);
+        });
+        if let Some(end) = end {
+            // A last chord of no length must not make the end look smooth.
+            if self.points.last() == Some(&end) {
+                self.smooth.last_mut().into_iter().for_each(|smooth| *smooth = false);
+            }
+            self.push(end, false);
+        }
+        let (leaves, arrives) = tangents(from, curve);
+        if self.headings.len() > first {
+            self.headings[first].0 = leaves;
+            self.headings.last_mut().expect("not empty").1 = arrives;
+        }
+    }
+
+    fn finish(mut self, segments: usize, all: &mut Vec<Polyline>) {
+        while self.closed && self.points.len() > 1 && self.points.first() == self.points.last() {
+            self.points.pop();
+            self.smooth.pop();
+        }
+        if self.closed && self.points.len() > self.headings.len() && self.points.len() > 1 {
+            let heading = (self.points[0] - self.points[self.points.len() - 1]).normalize();
+            self.headings.push((heading, heading));
+        }
+        if segments > 0 && !self.points.is_empty() {
+            all.push(self);
+        }
+    }
+
+    /// The true path's direction at `part` (0..=1) of segment `i`: the headings at its ends, or
+    /// where a curve was cut the mean of two chords, a short one counting more.
+    fn heading(&self, i: usize, part: f64) -> Vec2 {
+        let (segments, count) = (self.headings.len(), self.points.len());
+        let length = |i: usize| self.points[i].distance(self.points[(i + 1) % count]);
+        let between = |before: usize, after: usize| {
+            self.headings[before].1 * length(after) + self.headings[after].0 * length(before)
+        };
+        let at = |vertex: usize, known: Vec2| {
+            if self.smooth[vertex % count] {
+                between((vertex + segments - 1) % segments, vertex % segments).normalize()
+            } else {
+                known
+            }
+        };
+        let (first, last) = (at(i, self.headings[i].0), at(i + 1, self.headings[i].1));
+        (first * (1.0 - part) + last * part).normalize()
+    }
+
+    /// The dashes of the line: `pattern` is dash, gap, dash, gap ... and begins `offset` before the
+    /// line does. In a closed line a dash over the seam is one.
+    pub(super) fn dashes(&self, pattern: &[f64], offset: f64) -> Vec<Polyline> {
+        let period: f64 = pattern.iter().sum();
+        if period.is_nan() || period <= 0.0 || !pattern.len().is_multiple_of(2) {
+            return vec![self.clone()];
+        }
+        let (mut at, mut left) = (0, offset.rem_euclid(period));
+        // A dash of no length is a dot; it is not passed over where it stands.
+        while left > 0.0 && left >= pattern[at] {
+            left -= pattern[at];
+            at = (at + 1) % pattern.len();
+        }
+        left = pattern[at] - left;
+        let begins_inked = at % 2 == 0;
+        let mut dashes: Vec<Polyline> = Vec::new();
+        let mut dash = Polyline::default();
+        if begins_inked {
+            dash.push(self.points[0], self.smooth[0]);
+        }
+        for i in 0..self.headings.len() {
+            let length = self.points[i].distance(self.points[(i + 1) % self.points.len()]);
+            let (mut gone, mut part) = (0.0, 0.0);
+            while gone + left < length {
+                gone += left;
+                let cut = gone / length;
+                if at % 2 == 0 {
+                    self.copy_part(i, part, cut, &mut dash);
+                    dashes.push(std::mem::take(&mut dash));
+                } else {
+                    self.copy_part(i, cut, cut, &mut dash);
+                }
+                part = cut;
+                at = (at + 1) % pattern.len();
+                left = pattern[at];
+            }
+            left -= length - gone;
+            if at % 2 == 0 {
+                self.copy_part(i, part, 1.0, &mut dash);
+            }
+        }
+        self.join_at_seam(begins_inked, dash, &mut dashes);
+        dashes
+    }
+
+    /// Adds [from, to], parts 0..=1 of segment `i`, to a dash.
+    fn copy_part(&self, i: usize, from: f64, to: f64, dash: &mut Polyline) {
+        let (start, end) = (self.points[i], self.points[(i + 1) % self.points.len()]);
+        let heading = |part: f64| match part {
+            0.0 => self.headings[i].0,
+            1.0 => self.headings[i].1,
+            _ => self.heading(i, part),
+        };
+        let whole = to == 1.0;
+        let point = if whole { end } else { start.lerp(end, to) };
+        let smooth = whole && self.smooth[(i + 1) % self.points.len()];
+        if dash.push(point, smooth) {
+            *dash.headings.last_mut().expect("just pushed") = (heading(from), heading(to));
+        }
+        dash.direction = heading(to);
+    }
+
+    fn join_at_seam(&self, begins_inked: bool, mut last: Polyline, dashes: &mut Vec<Polyline>) {
+        if last.points.is_empty() {
+            return;
+        }
+        match dashes.first_mut() {
+            Some(first) if self.closed && begins_inked => {
+                let rest = first.points.iter().zip(&first.smooth).skip(1).zip(&first.headings);
+                for ((point, smooth), heading) in rest {
+                    if last.push(*point, *smooth) {
+                        *last.headings.last_mut().expect("just pushed") = *heading;
+                    }
+                }
+                *first = last;
+            }
+            None if self.closed && begins_inked => dashes.push(self.clone()),
+            _ => dashes.push(last),
+        }
+    }
+}
+
+/// The directions, of length 1, in which a curve leaves and arrives.
+fn tangents(from: Point, curve: PathEl) -> (Vec2, Vec2) {
+    let points = match curve {
+        PathEl::QuadTo(control, to) => vec![from, control, to],
+        PathEl::CurveTo(one, other, to) => vec![from, one, other, to],
+        _ => unreachable!("a curve"),
+    };
+    let last = points[points.len() - 1];
+    let leaves = points.iter().map(|&p| p - from).find(|v| v.hypot2() > 0.0);
+    let arrives = points.iter().rev().map(|&p| last - p).find(|v| v.hypot2() > 0.0);
+    let along = Vec2::new(1.0, 0.0);
+    (leaves.unwrap_or(along).normalize(), arrives.unwrap_or(along).normalize())
+}

@@ -1,0 +1,85 @@
+//! Takes a path and its stroke, makes the outline of what is inked, in pixels.
+
+use super::polyline::Polyline;
+use super::{outline, pieces, Options, Stroker};
+use kurbo::{Affine, BezPath, Cap, Join, StrokeOpts};
+use usvg::{tiny_skia_path, LineCap, LineJoin};
+
+/// The outline of `path` stroked in its own user space, brought to pixels by `transform`: to be
+/// filled non-zero. Empty where the transform has no area.
+pub(super) fn outline(
+    path: &tiny_skia_path::Path,
+    stroke: &usvg::Stroke,
+    transform: Affine,
+    options: &Options,
+) -> BezPath {
+    let scale = largest_stretch(transform);
+    if !(scale > 0.0 && scale.is_finite()) {
+        return BezPath::new();
+    }
+    let tolerance = options.tolerance / scale;
+    let path = outline::bez_path(path);
+    let style = style(stroke);
+    let mut outline = BezPath::new();
+    match options.stroker {
+        Stroker::Kurbo => {
+            outline = kurbo::stroke(&path, &style, &StrokeOpts::default(), tolerance);
+            // It draws no dots: lines and dashes without length.
+            let dots = style.dash_pattern.is_empty() || style.dash_pattern.contains(&0.0);
+            if dots && style.start_cap != Cap::Butt {
+                let is_dot = |line: &Polyline| line.points.len() == 1;
+                lines(&path, &style, tolerance)
+                    .filter(is_dot)
+                    .for_each(|dot| pieces::stroke(&dot, &style, tolerance, &mut outline));
+            }
+        }
+        Stroker::Pieces => lines(&path, &style, tolerance)
+            .for_each(|line| pieces::stroke(&line, &style, tolerance, &mut outline)),
+    }
+    transform * outline
+}
+
+/// The sub-paths, or their dashes.
+fn lines<'a>(
+    path: &BezPath,
+    style: &'a kurbo::Stroke,
+    tolerance: f64,
+) -> impl Iterator<Item = Polyline> + 'a {
+    Polyline::all(path, tolerance).into_iter().flat_map(|line| {
+        if style.dash_pattern.is_empty() {
+            vec![line]
+        } else {
+            line.dashes(&style.dash_pattern, style.dash_offset)
+        }
+    })
+}
+
+/// The stroke's style in kurbo's words. `miter-clip` is drawn as `miter`.
+fn style(stroke: &usvg::Stroke) -> kurbo::Stroke {
+    let cap = match stroke.linecap() {
+        LineCap::Butt => Cap::Butt,
+        LineCap::Round => Cap::Round,
+        LineCap::Square => Cap::Square,
+    };
+    let join = match stroke.linejoin() {
+        LineJoin::Miter | LineJoin::MiterClip => Join::Miter,
+        LineJoin::Round => Join::Round,
+        LineJoin::Bevel => Join::Bevel,
+    };
+    let style = kurbo::Stroke::new(f64::from(stroke.width().get()))
+        .with_caps(cap)
+        .with_join(join)
+        .with_miter_limit(f64::from(stroke.miterlimit().get()));
+    match stroke.dasharray() {
+        Some(dashes) => {
+            style.with_dashes(f64::from(stroke.dashoffset()), dashes.iter().copied().map(f64::from))
+        }
+        None => style,
+    }
+}
+
+/// The most that `transform` stretches any direction: its larger singular value.
+fn largest_stretch(transform: Affine) -> f64 {
+    let [a, b, c, d, ..] = transform.as_coeffs();
+    0.5 * ((a + d).hypot(b - c) + (a - d).hypot(b + c))
+}
