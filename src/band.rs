@@ -6,16 +6,17 @@
 //! flattened, and the sorted list of active polygons is not needed. With 3,000 opaque blobs
 //! over one another four fifths of all (shape, band) pairs end there.
 
-use crate::cel::{Brush, Cel, Entry, Rows};
+use crate::cel::{Brush, Cel, Rows};
 use crate::clip::{clipped, ClipBand, Clipped};
-use crate::edges::{EdgeList, BAND_ROWS};
-use crate::outlines::{BandLists, Bounds, Outlines, PlacedOutline};
+use crate::edges::{Bounds, EdgeList, BAND_ROWS};
+use crate::outlines::{BandLists, Outlines, PlacedOutline};
 use crate::pixel::resolve::{Node, Resolver, Surroundings};
 use crate::polygons::Flattener;
 use crate::scene::paint::Paint;
 use crate::scene::{ClipId, GroupId, Scene};
 use crate::strips::{Buckets, Piece};
 use crate::sweep::{Span, Sweep};
+use crate::zlist::{Entry, ZLists};
 use kurbo::Affine;
 use std::sync::Arc;
 
@@ -97,19 +98,20 @@ impl BandRenderer {
         }
         let clip = shape.clip.map(|clip| self.clip(picture, band, clip, rows));
         let brush = match &shape.paint {
-            Paint::Flat(sheet) => Brush::Flat(*sheet),
+            Paint::Flat(sheet) => Brush::flat(*sheet),
             paint @ Paint::Gradient(_) => {
                 let shader = picture.around.shaders[number as usize].as_ref().expect("gradients have shaders");
                 Brush::Gradient { shape: number, shader, opaque: paint.is_opaque() }
             }
         };
-        self.fill_buckets(picture, band, outline, rows);
+        let bounds = self.fill_buckets(picture, band, outline, rows);
         let depth = self.open.len() - 1;
         let (cel, entries, nodes) = (&mut self.cels[depth], &mut self.entries, &mut self.nodes);
         let top = rows.top;
-        for row in 0..rows.count {
-            let style = (outline.rule, outline.crisp);
-            self.sweep.row(&mut self.buckets, row, style, &mut self.pieces, |span| {
+        let style = (outline.rule, outline.crisp);
+        for place in places(bounds, rows) {
+            let row = place.0;
+            self.sweep.row(&mut self.buckets, place, style, &mut self.pieces, |span| {
                 clipped(row, span, clip.as_deref(), nodes, |piece, _| match piece {
                     Clipped::Whole(from, to) => {
                         let picture = (depth == 0).then_some(&mut *rows);
@@ -127,19 +129,17 @@ impl BandRenderer {
             return true;
         };
         let finished = &self.cels[self.open.len() - 1].finished;
-        let top = rows.top as usize;
-        let from = bounds.top.saturating_sub(top);
-        let to = bounds.bottom.saturating_sub(top).min(rows.count);
-        (from..to).all(|row| finished.all_set(row, bounds.left, bounds.right))
+        places(bounds, rows).all(|(row, (left, right))| finished.all_set(row, left, right))
     }
 
-    /// Files an outline's edges in the x-buckets.
-    fn fill_buckets(&mut self, picture: &Picture, band: usize, outline: &PlacedOutline, rows: &Rows) {
+    /// Files an outline's edges in the x-buckets, and tells where they lie.
+    fn fill_buckets(&mut self, picture: &Picture, band: usize, outline: &PlacedOutline, rows: &Rows) -> Bounds {
         let edges = outline.edges(&mut self.flattener, &mut self.edges, picture.to_pixels, picture.tolerance);
         let finished = &self.cels[self.open.len() - 1].finished;
         for edge in edges.band(band) {
             self.buckets.add(edge, rows.top, rows.count, finished, &mut self.pieces);
         }
+        edges.bounds()
     }
 
     /// Opens and closes groups until `group` is the innermost.
@@ -188,10 +188,11 @@ impl BandRenderer {
                 continue;
             }
             let within = member.clip.map(|inner| self.clip(picture, band, inner, rows));
-            self.fill_buckets(picture, band, outline, rows);
-            for row in 0..rows.count {
-                let style = (outline.rule, outline.crisp);
-                self.sweep.row(&mut self.buckets, row, style, &mut self.pieces, |span: Span| {
+            let bounds = self.fill_buckets(picture, band, outline, rows);
+            let style = (outline.rule, outline.crisp);
+            for place in places(bounds, rows) {
+                let row = place.0;
+                self.sweep.row(&mut self.buckets, place, style, &mut self.pieces, |span: Span| {
                     made.unite(row, span, within.as_deref(), &mut self.nodes);
                 });
             }
@@ -228,8 +229,13 @@ impl BandRenderer {
                     if uniform & bit != 0 {
                         *pixel = cel.sheet(row, x).over(around.background).to_rgba8();
                     } else if listed & bit != 0 {
-                        cel.read_list(row, x, &self.entries, &self.nodes, &mut self.resolver);
-                        *pixel = self.resolver.resolve(x as u32, y, &self.pieces, around).to_rgba8(around.linear);
+                        let list = ZLists { entries: &self.entries, nodes: &self.nodes, pieces: &self.pieces };
+                        let mean = list.resolve_simply(cel.list(row, x), around, &mut self.resolver.counts);
+                        let mean = mean.unwrap_or_else(|| {
+                            list.read(cel.list(row, x), &mut self.resolver);
+                            self.resolver.resolve(x as u32, y, &self.pieces, around)
+                        });
+                        *pixel = mean.to_rgba8(around.linear);
                     } else if done & bit == 0 {
                         *pixel = background;
                     }
@@ -237,6 +243,14 @@ impl BandRenderer {
             }
         }
     }
+}
+
+/// The rows of the band that an outline may touch, each with the columns.
+fn places(bounds: Bounds, rows: &Rows) -> impl Iterator<Item = (usize, (usize, usize))> {
+    let Bounds { left, right, top, bottom } = bounds;
+    let first = top.saturating_sub(rows.top as usize);
+    let last = bottom.saturating_sub(rows.top as usize).min(rows.count);
+    (first..last).map(move |row| (row, (left, right)))
 }
 
 /// Bands of a picture of this many rows.

@@ -14,45 +14,26 @@
 
 use crate::bitmap::{for_runs, word_masks, Bitmap};
 use crate::edges::BAND_ROWS;
-use crate::pixel::resolve::{Node, Resolver, NEGLIGIBLE};
+use crate::pixel::resolve::NEGLIGIBLE;
 use crate::scene::paint::{Shader, Sheet};
-
-/// No entry, or the end of a list.
-const NO_ENTRY: u32 = u32::MAX;
-
-/// The node of an entry that covers the whole pixel.
-const WHOLE: u32 = u32::MAX;
-
-/// One element of a z-list.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Entry {
-    /// The one behind.
-    next: u32,
-    /// Where in the pixel it is, or [`WHOLE`].
-    node: u32,
-    kind: Kind,
-}
-
-#[derive(Clone, Copy, Debug)]
-enum Kind {
-    Sheet(Sheet),
-    /// A shape's number.
-    Gradient(u32),
-    GroupStart(f32),
-    GroupEnd,
-}
+use crate::zlist::{Entry, Head, Kind, NO_ENTRY, WHOLE};
 
 /// What a shape is painted with, at the picture's scale.
 #[derive(Clone, Copy)]
 pub(crate) enum Brush<'a> {
-    Flat(Sheet),
+    /// One colour, and the same in bytes.
+    Flat(Sheet, [u8; 4]),
     Gradient { shape: u32, shader: &'a Shader<'a>, opaque: bool },
 }
 
 impl Brush<'_> {
+    pub fn flat(sheet: Sheet) -> Self {
+        Brush::Flat(sheet, sheet.to_rgba8())
+    }
+
     fn is_opaque(&self) -> bool {
         match self {
-            Brush::Flat(sheet) => sheet.is_opaque(),
+            Brush::Flat(sheet, _) => sheet.is_opaque(),
             Brush::Gradient { opaque, .. } => *opaque,
         }
     }
@@ -61,14 +42,14 @@ impl Brush<'_> {
     #[inline]
     fn at(&self, x: usize, y: u32) -> Sheet {
         match self {
-            Brush::Flat(sheet) => *sheet,
+            Brush::Flat(sheet, _) => *sheet,
             Brush::Gradient { shader, .. } => shader.at(x as f64 + 0.5, f64::from(y) + 0.5),
         }
     }
 
     fn kind(&self) -> Kind {
         match self {
-            Brush::Flat(sheet) => Kind::Sheet(*sheet),
+            Brush::Flat(sheet, _) => Kind::Sheet(*sheet),
             Brush::Gradient { shape, .. } => Kind::Gradient(*shape),
         }
     }
@@ -147,53 +128,69 @@ impl Cel {
         entries: &mut Vec<Entry>,
     ) {
         let opaque = brush.is_opaque();
-        let y = top + row as u32;
         for (word, mask) in word_masks(from, to) {
             let open = mask & !self.finished.row(row)[word];
             if open == 0 {
                 continue;
             }
             let touched = open & self.touched.row(row)[word];
-            let listed = touched & self.listed.row(row)[word];
-            let (first, start) = (word * 64, row * self.width);
             let fresh = open & !touched;
-            match (&mut picture, opaque) {
-                (Some(picture), true) => for_runs(fresh, |a, b| {
-                    let pixels = &mut picture.row(row, self.width)[first + a..first + b];
-                    match brush {
-                        Brush::Flat(sheet) => pixels.fill(sheet.to_rgba8()),
-                        Brush::Gradient { .. } => {
-                            for (i, pixel) in pixels.iter_mut().enumerate() {
-                                *pixel = brush.at(first + a + i, y).to_rgba8();
-                            }
-                        }
-                    }
-                }),
-                _ => {
-                    for_runs(fresh, |a, b| {
-                        let sheets = &mut self.sheets[start + first + a..start + first + b];
-                        for (i, sheet) in sheets.iter_mut().enumerate() {
-                            *sheet = brush.at(first + a + i, y);
-                        }
-                    });
-                    self.touched.row_mut(row)[word] |= fresh;
+            let mut done = if opaque { open } else { 0 };
+            if fresh != 0 {
+                match &mut picture {
+                    Some(picture) if opaque => paint_fresh(picture, row, self.width, (word, fresh), brush),
+                    _ => self.start_sheets(row, top, word, fresh, brush),
                 }
             }
-            let mut saturated = 0;
-            for_runs(touched & !listed, |a, b| {
-                let sheets = &mut self.sheets[start + first + a..start + first + b];
-                for (i, sheet) in sheets.iter_mut().enumerate() {
-                    *sheet = sheet.over(brush.at(first + a + i, y));
-                    saturated |= u64::from(sheet.through < NEGLIGIBLE) << (a + i);
-                }
-            });
-            for_runs(listed, |a, b| {
-                for x in first + a..first + b {
-                    self.append_whole(start + x, brush, entries);
-                }
-            });
-            self.finished.row_mut(row)[word] |= if opaque { open } else { saturated };
+            if touched != 0 {
+                done |= self.paint_touched(row, top, (word, touched), brush, entries);
+            }
+            self.finished.row_mut(row)[word] |= done;
         }
+    }
+
+    /// The first paint on some pixels of a word.
+    fn start_sheets(&mut self, row: usize, top: u32, word: usize, fresh: u64, brush: &Brush) {
+        let (first, start, y) = (word * 64, row * self.width + word * 64, top + row as u32);
+        for_runs(fresh, |a, b| {
+            let sheets = &mut self.sheets[start + a..start + b];
+            match brush {
+                Brush::Flat(sheet, _) => sheets.fill(*sheet),
+                Brush::Gradient { .. } => {
+                    for (i, sheet) in sheets.iter_mut().enumerate() {
+                        *sheet = brush.at(first + a + i, y);
+                    }
+                }
+            }
+        });
+        self.touched.row_mut(row)[word] |= fresh;
+    }
+
+    /// More paint behind what was painted on some pixels of a word; tells which let no light through.
+    fn paint_touched(
+        &mut self,
+        row: usize,
+        top: u32,
+        (word, touched): (usize, u64),
+        brush: &Brush,
+        entries: &mut Vec<Entry>,
+    ) -> u64 {
+        let (first, start, y) = (word * 64, row * self.width + word * 64, top + row as u32);
+        let listed = touched & self.listed.row(row)[word];
+        let mut saturated = 0;
+        for_runs(touched & !listed, |a, b| {
+            let sheets = &mut self.sheets[start + a..start + b];
+            for (i, sheet) in sheets.iter_mut().enumerate() {
+                *sheet = sheet.over(brush.at(first + a + i, y));
+                saturated |= u64::from(sheet.through < NEGLIGIBLE) << (a + i);
+            }
+        });
+        for_runs(listed, |a, b| {
+            for x in a..b {
+                self.append_whole(start + x, brush, entries);
+            }
+        });
+        saturated
     }
 
     /// Paints a part of one pixel, behind all that was painted before.
@@ -251,7 +248,7 @@ impl Cel {
                 for_runs(touched & !listed, |a, b| {
                     for x in word * 64 + a..word * 64 + b {
                         let sheet = group.sheets[row * self.width + x].faded(group.opacity);
-                        self.solid(row, (x, x + 1), &Brush::Flat(sheet), top, None, entries);
+                        self.solid(row, (x, x + 1), &Brush::flat(sheet), top, None, entries);
                     }
                 });
                 for_runs(listed, |a, b| {
@@ -290,23 +287,27 @@ impl Cel {
         self.sheets[row * self.width + x]
     }
 
-    /// Gives a pixel's z-list to the resolver, front to back.
-    pub fn read_list(&self, row: usize, x: usize, entries: &[Entry], nodes: &[Node], resolver: &mut Resolver) {
+    /// The z-list of a pixel that has one.
+    pub fn list(&self, row: usize, x: usize) -> Head {
         let pixel = row * self.width + x;
-        resolver.clear();
-        if self.sheets[pixel] != Sheet::CLEAR {
-            resolver.push_sheet(self.sheets[pixel], None, nodes);
-        }
-        let mut next = self.lists[pixel].0;
-        while let Some(entry) = entries.get(next as usize) {
-            let node = (entry.node != WHOLE).then_some(entry.node);
-            match entry.kind {
-                Kind::Sheet(sheet) => resolver.push_sheet(sheet, node, nodes),
-                Kind::Gradient(shape) => resolver.push_gradient(shape, node, nodes),
-                Kind::GroupStart(opacity) => resolver.start_group(opacity),
-                Kind::GroupEnd => resolver.end_group(),
-            }
-            next = entry.next;
-        }
+        Head { front: self.sheets[pixel], first: self.lists[pixel].0 }
     }
+}
+
+/// Opaque paint on new pixels of a word.
+#[inline]
+fn paint_fresh(picture: &mut Rows, row: usize, width: usize, (word, fresh): (usize, u64), brush: &Brush) {
+    let (first, y) = (word * 64, picture.top + row as u32);
+    let pixels = picture.row(row, width);
+    for_runs(fresh, |a, b| {
+        let pixels = &mut pixels[first + a..first + b];
+        match brush {
+            Brush::Flat(_, bytes) => pixels.fill(*bytes),
+            Brush::Gradient { .. } => {
+                for (i, pixel) in pixels.iter_mut().enumerate() {
+                    *pixel = brush.at(first + a + i, y).to_rgba8();
+                }
+            }
+        }
+    });
 }

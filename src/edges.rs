@@ -19,6 +19,14 @@ pub(crate) const LARGEST_SIDE: u32 = 65_535;
 /// Coordinates are cut off here, in pixels.
 const GUARD: f64 = 100_000.0;
 
+/// The low 32 bits of the nearest integer, ties to even, for |v| < 2^51.
+#[inline]
+pub(crate) fn round(v: f64) -> i32 {
+    // Adding 1.5 * 2^52 leaves the rounded integer in the low bits of the mantissa.
+    const MAGIC: f64 = 6_755_399_441_055_744.0;
+    (v + MAGIC).to_bits() as i32
+}
+
 /// A straight piece of a shape's border in fixed point pixels, always from the upper end to the lower
 /// (from left to right when horizontal).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -30,6 +38,15 @@ pub(crate) struct Edge {
     /// What crossing it from left to right adds to the winding number: 1 when drawn downwards
     /// (rightwards), -1 when drawn upwards (leftwards).
     pub winding: i32,
+}
+
+/// Pixels [left, right) x [top, bottom), within the picture.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Bounds {
+    pub left: usize,
+    pub right: usize,
+    pub top: usize,
+    pub bottom: usize,
 }
 
 /// A shape's edges, still in the order of its outline.
@@ -91,7 +108,7 @@ impl EdgeList {
     }
 
     fn push(&mut self, a: Point, b: Point, winding: i32) {
-        let fixed = |v: f64| (v * f64::from(ONE)).round_ties_even() as i32;
+        let fixed = |v: f64| round(v * f64::from(ONE));
         let (x0, y0, x1, y1) = (fixed(a.x), fixed(a.y), fixed(b.x), fixed(b.y));
         if (x0, y0) == (x1, y1) {
             return;
@@ -104,10 +121,24 @@ impl EdgeList {
         });
     }
 
+    /// The pixels that edges lie in.
+    fn bounds(&self) -> Bounds {
+        let pixel = |v: i32, most: f64| (v >> FRACTION_BITS).clamp(0, most as i32) as usize;
+        let least = |part: fn(&Edge) -> i32| self.edges.iter().map(part).min().unwrap_or(0);
+        let most = |part: fn(&Edge) -> i32| self.edges.iter().map(part).max().unwrap_or(-ONE);
+        Bounds {
+            left: pixel(least(|e| e.x0.min(e.x1)), self.width),
+            right: pixel(most(|e| e.x0.max(e.x1)) + ONE, self.width),
+            top: pixel(least(|e| e.y0), self.height),
+            bottom: pixel(most(|e| e.y1) + ONE, self.height),
+        }
+    }
+
     /// Sorts the edges into bands, and is empty again.
     pub fn take_banded(&mut self) -> BandedEdges {
         let bands = (self.height as u32).div_ceil(BAND_ROWS) as i32;
-        let banded = BandedEdges::sort(&self.edges, bands);
+        let mut banded = BandedEdges::sort(&self.edges, bands);
+        banded.bounds = self.bounds();
         self.edges.clear();
         banded
     }
@@ -120,9 +151,15 @@ pub(crate) struct BandedEdges {
     /// The edges of band `first_band + i` are `edges[starts[i]..starts[i + 1]]`.
     starts: Vec<u32>,
     edges: Vec<Edge>,
+    bounds: Bounds,
 }
 
 impl BandedEdges {
+    /// The pixels that edges lie in.
+    pub fn bounds(&self) -> Bounds {
+        self.bounds
+    }
+
     /// The edges that meet a band.
     pub fn band(&self, band: usize) -> &[Edge] {
         let at = band.wrapping_sub(self.first_band);
@@ -164,6 +201,6 @@ impl BandedEdges {
                 *at += 1;
             }
         }
-        BandedEdges { first_band: first as usize, starts, edges: sorted }
+        BandedEdges { first_band: first as usize, starts, edges: sorted, bounds: Bounds::default() }
     }
 }

@@ -32,6 +32,8 @@ mod clip;
 
 mod cel;
 
+mod zlist;
+
 mod pixel;
 
 pub mod pixmap;

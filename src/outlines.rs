@@ -1,7 +1,7 @@
 //! Takes a scene and a viewport, makes a list of outlines with their bounds in the picture, each to be
 //! flattened when a band first needs it. What is hidden or outside is never flattened or stroked.
 
-use crate::edges::{BandedEdges, EdgeList, BAND_ROWS};
+use crate::edges::{BandedEdges, Bounds, EdgeList, BAND_ROWS};
 use crate::polygons::{largest_scale, Flattener};
 use crate::scene::{FillRule, Geometry, Outline, Scene};
 use crate::Viewport;
@@ -16,15 +16,6 @@ pub(crate) struct PlacedOutline<'a> {
     /// Pixels that it may touch, half-open: columns and rows; `None` when there are none.
     pub bounds: Option<Bounds>,
     edges: OnceLock<BandedEdges>,
-}
-
-/// Pixels [left, right) x [top, bottom), within the picture.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Bounds {
-    pub left: usize,
-    pub right: usize,
-    pub top: usize,
-    pub bottom: usize,
 }
 
 impl<'a> PlacedOutline<'a> {

@@ -5,8 +5,8 @@
 //! reached, so that the two sides of a shared border are cut bit-identically. A point on the border
 //! between two pixels belongs to the right or lower one, everywhere.
 
-use crate::edges::{Edge, BAND_ROWS, FRACTION_BITS, ONE};
 use crate::bitmap::Bitmap;
+use crate::edges::{round, Edge, BAND_ROWS, FRACTION_BITS, ONE};
 
 /// No piece.
 pub(crate) const NO_PIECE: u32 = u32::MAX;
@@ -51,40 +51,44 @@ impl Cell {
 }
 
 /// One shape's x-buckets in one band: a cell for each pixel, and which cells are in use.
-///
-/// Column 0 holds what lies left of the picture; pixel x is column x + 1.
 pub(crate) struct Buckets {
-    width: i32,
+    width: usize,
     cells: Vec<Cell>,
     touched: Bitmap,
+    /// [`Cell::cover`] of all that lies left of the picture, row by row.
+    left: [i32; BAND_ROWS as usize],
 }
 
 impl Buckets {
     /// For a picture of this many pixels in a row.
     pub fn new(width: u32) -> Buckets {
-        let columns = width as usize + 1;
-        Buckets {
-            width: width as i32,
-            cells: vec![Cell::EMPTY; columns * BAND_ROWS as usize],
-            touched: Bitmap::new(columns, BAND_ROWS as usize),
-        }
+        let (width, rows) = (width as usize, BAND_ROWS as usize);
+        let (cells, touched) = (vec![Cell::EMPTY; width * rows], Bitmap::new(width, rows));
+        Buckets { width, cells, touched, left: [0; BAND_ROWS as usize] }
     }
 
     /// Pixels in a row.
     pub fn width(&self) -> usize {
-        self.width as usize
+        self.width
     }
 
-    /// The columns in use in `row`, from the left, with their cells, which are emptied.
+    /// The cover of all that lies left of the picture, which is emptied.
+    pub fn take_left(&mut self, row: usize) -> i32 {
+        std::mem::take(&mut self.left[row])
+    }
+
+    /// The pixels in use in `row` within columns [from, to), from the left, with their cells, which
+    /// are emptied.
     #[inline]
-    pub fn drain_row(&mut self, row: usize, mut take: impl FnMut(i32, Cell)) {
-        let cells = &mut self.cells[row * (self.width as usize + 1)..][..self.width as usize + 1];
-        for (index, word) in self.touched.row_mut(row).iter_mut().enumerate() {
+    pub fn drain_row(&mut self, row: usize, (from, to): (usize, usize), mut take: impl FnMut(usize, Cell)) {
+        let cells = &mut self.cells[row * self.width..][..self.width];
+        let words = &mut self.touched.row_mut(row)[from / 64..to.div_ceil(64)];
+        for (index, word) in words.iter_mut().enumerate() {
             let mut bits = std::mem::take(word);
             while bits != 0 {
-                let column = index * 64 + bits.trailing_zeros() as usize;
+                let x = (from / 64 + index) * 64 + bits.trailing_zeros() as usize;
                 bits &= bits - 1;
-                take(column as i32 - 1, std::mem::replace(&mut cells[column], Cell::EMPTY));
+                take(x, std::mem::replace(&mut cells[x], Cell::EMPTY));
             }
         }
     }
@@ -122,6 +126,7 @@ impl Buckets {
     #[inline]
     fn add_strip(&mut self, row: usize, strip: Strip, finished: &Bitmap, pieces: &mut Vec<Piece>) {
         let (first, last) = (strip.x0 >> FRACTION_BITS, strip.x1 >> FRACTION_BITS);
+        let finished = finished.row(row);
         let mut target = Row { buckets: self, row, finished, pieces, winding: strip.winding };
         if first == last {
             let left = first << FRACTION_BITS;
@@ -183,19 +188,11 @@ impl SlopeX {
     }
 }
 
-/// The low 32 bits of the nearest integer, ties to even, for |v| < 2^51.
-#[inline]
-fn round(v: f64) -> i32 {
-    // Adding 1.5 * 2^52 leaves the rounded integer in the low bits of the mantissa.
-    const MAGIC: f64 = 6_755_399_441_055_744.0;
-    (v + MAGIC).to_bits() as i32
-}
-
 /// Where the pieces of one strip go.
 struct Row<'a> {
     buckets: &'a mut Buckets,
     row: usize,
-    finished: &'a Bitmap,
+    finished: &'a [u64],
     pieces: &'a mut Vec<Piece>,
     winding: i32,
 }
@@ -203,6 +200,7 @@ struct Row<'a> {
 impl Row<'_> {
     /// From pixel `first` to pixel `last`, which lies right of it.
     fn rightwards(&mut self, strip: Strip, first: i32, last: i32) {
+        let width = self.buckets.width as i32;
         let slope = strip.slope();
         let mut y = strip.y0;
         let mut x = strip.x0 - (first << FRACTION_BITS);
@@ -219,7 +217,7 @@ impl Row<'_> {
             (pixel, x, crosses) = (0, 0, CrossesLeft::AtStart);
         }
         while pixel < last {
-            if pixel >= self.buckets.width {
+            if pixel >= width {
                 return;
             }
             let next_y = strip.y_at(slope, (pixel + 1) << FRACTION_BITS);
@@ -231,6 +229,7 @@ impl Row<'_> {
 
     /// From pixel `first` to pixel `last`, which lies left of it.
     fn leftwards(&mut self, strip: Strip, first: i32, last: i32) {
+        let width = self.buckets.width as i32;
         let slope = strip.slope();
         let mut y = strip.y0;
         let mut x = strip.x0 - (first << FRACTION_BITS);
@@ -239,14 +238,14 @@ impl Row<'_> {
             self.put(-1, [0, strip.y0, 0, strip.y1], CrossesLeft::No);
             return;
         }
-        if first >= self.buckets.width {
+        if first >= width {
             // What lies right of the picture counts for nothing.
-            if last >= self.buckets.width {
+            if last >= width {
                 return;
             }
-            pixel = self.buckets.width - 1;
+            pixel = width - 1;
             x = ONE;
-            y = strip.y_at(slope, self.buckets.width << FRACTION_BITS);
+            y = strip.y_at(slope, width << FRACTION_BITS);
         }
         while pixel > last {
             if pixel < 0 {
@@ -264,20 +263,25 @@ impl Row<'_> {
     #[inline]
     fn put(&mut self, pixel: i32, [x0, y0, x1, y1]: [i32; 4], crosses_left: CrossesLeft) {
         let buckets = &mut *self.buckets;
+        let cover = (y1 - y0) * self.winding;
+        if pixel < 0 {
+            buckets.left[self.row] += cover;
+            return;
+        }
+        let pixel = pixel as usize;
         if pixel >= buckets.width {
             return;
         }
-        let column = (pixel + 1).max(0) as usize;
-        let cover = (y1 - y0) * self.winding;
-        let cell = &mut buckets.cells[self.row * (buckets.width as usize + 1) + column];
+        let (word, bit) = (pixel / 64, 1 << (pixel % 64));
+        buckets.touched.row_mut(self.row)[word] |= bit;
+        let cell = &mut buckets.cells[self.row * buckets.width + pixel];
         cell.cover += cover;
-        buckets.touched.set(self.row, column);
-        if pixel < 0 || self.finished.get(self.row, pixel as usize) {
+        if self.finished[word] & bit != 0 {
             return;
         }
         cell.area += i64::from(cover) * i64::from(2 * ONE - x0 - x1);
         let next = std::mem::replace(&mut cell.pieces, self.pieces.len() as u32);
-        let [x0, y0, x1, y1] = [x0, y0, x1, y1].map(|v| v as u16);
+        let (x0, y0, x1, y1) = (x0 as u16, y0 as u16, x1 as u16, y1 as u16);
         self.pieces.push(Piece { x0, y0, x1, y1, next, winding: self.winding as i8, crosses_left });
     }
 }

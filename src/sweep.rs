@@ -21,26 +21,24 @@ pub(crate) struct Sweep {
 }
 
 impl Sweep {
-    /// Sweeps one row and empties its buckets. `crisp` shapes have no fragments: a pixel is inside if
-    /// its centre is.
+    /// Sweeps one row of a shape that lies within columns [from, to) and what winds round them, and
+    /// empties its buckets. `crisp` shapes have no fragments: a pixel is inside if its centre is.
     #[inline]
     pub fn row(
         &mut self,
         buckets: &mut Buckets,
-        row: usize,
+        (row, columns): (usize, (usize, usize)),
         (rule, crisp): (FillRule, bool),
         pieces: &mut Vec<Piece>,
         mut take: impl FnMut(Span),
     ) {
-        let width = buckets.width();
         // Winding times height of all that lies left, in 1/ONE. Between cells it is a whole number of
         // windings, for every edge that starts or ends there is in a cell.
-        let mut cover_left = 0;
+        let mut cover_left = buckets.take_left(row);
+        let mut inside = rule.inside(cover_left >> FRACTION_BITS);
         // Where the pixels inside that are not given out yet begin.
         let mut from = 0;
-        let mut inside = false;
-        buckets.drain_row(row, |x, cell| {
-            let pixel = x.max(0) as usize;
+        buckets.drain_row(row, columns, |x, cell| {
             if cell.pieces != NO_PIECE {
                 let here = if crisp {
                     cover_of_centre(cell, cover_left, rule, pieces)
@@ -48,26 +46,26 @@ impl Sweep {
                     self.coverer.cover(cell, cover_left, rule, pieces)
                 };
                 let is_full = matches!(here, Cover::Full);
-                if inside && !is_full {
-                    take(Span::Solid(from, pixel));
+                if inside && !is_full && from < x {
+                    take(Span::Solid(from, x));
                 } else if !inside && is_full {
-                    from = pixel;
+                    from = x;
                 }
                 inside = is_full;
                 if let Cover::Part(fragment) = here {
-                    take(Span::Part(pixel, fragment));
+                    take(Span::Part(x, fragment));
                 }
             }
             cover_left += cell.cover;
             let goes_on = rule.inside(cover_left >> FRACTION_BITS);
-            let next = (x + 1) as usize;
             if inside && !goes_on {
-                take(Span::Solid(from, next));
+                take(Span::Solid(from, x + 1));
             } else if !inside && goes_on {
-                from = next;
+                from = x + 1;
             }
             inside = goes_on;
         });
+        let width = buckets.width();
         if inside && from < width {
             take(Span::Solid(from, width));
         }

@@ -28,11 +28,18 @@ pub(crate) struct Fragment {
     /// Winding times height of all edges left of the pixel, in 1/ONE.
     pub cover_left: i32,
     pub rule: FillRule,
-    /// 0 < area < [`PIXEL_AREA`].
-    pub area: i64,
+    area: i32,
     /// In the pixel the fragment's indicator (1 inside, 0 outside) is, up to a constant, this times its
     /// winding number: 1 or -1. It is 0 when no such relation is known.
     pub sense: i8,
+}
+
+impl Fragment {
+    /// 0 < area < [`PIXEL_AREA`].
+    #[inline]
+    pub fn area(&self) -> i64 {
+        self.area.into()
+    }
 }
 
 /// How much of a pixel a shape covers.
@@ -70,7 +77,7 @@ impl Coverer {
     pub fn cover(&mut self, cell: Cell, cover_left: i32, rule: FillRule, pieces: &mut Vec<Piece>) -> Cover {
         let total = i64::from(cover_left) * i64::from(2 * ONE) + cell.area;
         let last = &pieces[cell.pieces as usize];
-        if last.next == NO_PIECE || is_one_corner(last, &pieces[last.next as usize]) {
+        if last.next == NO_PIECE || is_one_chain(last, pieces) {
             return part(two_valued(total, rule), cell.pieces, cover_left, rule);
         }
         self.cover_of_many(cell.pieces, total, cover_left, rule, pieces)
@@ -106,7 +113,7 @@ fn part((area, sense): (i64, i8), pieces: u32, cover_left: i32, rule: FillRule) 
     match area {
         0 => Cover::Empty,
         PIXEL_AREA => Cover::Full,
-        _ => Cover::Part(Fragment { pieces, cover_left, rule, area, sense }),
+        _ => Cover::Part(Fragment { pieces, cover_left, rule, area: area as i32, sense }),
     }
 }
 
@@ -125,19 +132,27 @@ fn two_valued(total: i64, rule: FillRule) -> (i64, i8) {
     }
 }
 
-/// Are these the only two pieces, meeting in a vertex, one the continuation of the other?
+/// Are the pieces of the list that ends here one chain that cannot cross itself? So it is when each
+/// goes on where the one before ends, always up or always down; or when there are just two, however
+/// they meet.
 #[inline]
-fn is_one_corner(a: &Piece, b: &Piece) -> bool {
-    if b.next != NO_PIECE {
-        return false;
+fn is_one_chain(last: &Piece, pieces: &[Piece]) -> bool {
+    let mut piece = last;
+    let mut before = &pieces[last.next as usize];
+    if before.next == NO_PIECE && before.winding != last.winding {
+        return (before.x0, before.y0) == (last.x0, last.y0) || (before.x1, before.y1) == (last.x1, last.y1);
     }
-    let (a0, a1) = ((a.x0, a.y0), (a.x1, a.y1));
-    let (b0, b1) = ((b.x0, b.y0), (b.x1, b.y1));
-    // Two pieces of the same direction are a chain only if one ends where the other starts.
-    if a.winding == b.winding {
-        a1 == b0 || b1 == a0
-    } else {
-        a0 == b0 || a1 == b1
+    loop {
+        let down = (before.x1, before.y1) == (piece.x0, piece.y0);
+        let up = (before.x0, before.y0) == (piece.x1, piece.y1);
+        // Two pieces of the same direction are a chain only if one ends where the other starts.
+        if before.winding != piece.winding || !(if piece.winding > 0 { down } else { up }) {
+            return false;
+        }
+        if before.next == NO_PIECE {
+            return true;
+        }
+        (piece, before) = (before, &pieces[before.next as usize]);
     }
 }
 

@@ -9,7 +9,8 @@ use super::sample::Sampler;
 use super::split::{centroid, Integrator, Known, MOST_LEAVES};
 use crate::edges::ONE;
 use crate::scene::paint::{Shader, Sheet};
-use crate::strips::{Piece, NO_PIECE};
+use crate::strips::Piece;
+use crate::zlist::Borders;
 
 /// Less light than this from behind cannot be seen: a thirtieth of an 8-bit level.
 pub(crate) const NEGLIGIBLE: f32 = 1.0 / 8192.0;
@@ -157,12 +158,12 @@ impl Resolver {
             self.split(place, pieces, &mut mean);
         } else if let [only] = self.leaves[..] {
             self.counts.one_fragment += 1;
-            mean.add(self.sheet_of(|_| true, place), only.area, around.linear);
-            mean.add(self.sheet_of(|_| false, place), PIXEL_AREA - only.area, around.linear);
+            mean.add(self.sheet_of(|_| true, place), only.area(), around.linear);
+            mean.add(self.sheet_of(|_| false, place), PIXEL_AREA - only.area(), around.linear);
         } else if self.tiles(pieces) {
             self.counts.tiled += 1;
             for (leaf, fragment) in self.leaves.iter().enumerate() {
-                mean.add(self.sheet_of(|other| other == leaf, place), fragment.area, around.linear);
+                mean.add(self.sheet_of(|other| other == leaf, place), fragment.area(), around.linear);
             }
         } else if self.along_borders(place, pieces, &mut mean) {
             self.counts.along_borders += 1;
@@ -199,29 +200,13 @@ impl Resolver {
         sheet.expect("every fragment is known")
     }
 
-    /// Do the fragments tile the pixel: does each point lie in exactly one? They do when all borders
-    /// cancel, line by line, and the areas sum to the pixel: then the number of fragments over a point
-    /// is the same everywhere, and one on average.
+    /// Do the fragments tile the pixel?
     fn tiles(&self, pieces: &[Piece]) -> bool {
-        if self.leaves.iter().map(|leaf| leaf.area).sum::<i64>() != PIXEL_AREA {
-            return false;
+        let mut borders = Borders::default();
+        self.leaves.iter().map(Fragment::area).sum::<i64>() == PIXEL_AREA && {
+            self.leaves.iter().for_each(|leaf| borders.add(leaf, pieces));
+            borders.cancel()
         }
-        let mut sum = 0u64;
-        for leaf in &self.leaves {
-            if leaf.sense == 0 {
-                return false;
-            }
-            let mut next = leaf.pieces;
-            while next != NO_PIECE {
-                let piece = &pieces[next as usize];
-                let times = i64::from(leaf.sense * piece.winding) as u64;
-                if (piece.x0, piece.y0) != (piece.x1, piece.y1) {
-                    sum = sum.wrapping_add(piece.identity().wrapping_mul(times));
-                }
-                next = piece.next;
-            }
-        }
-        sum == 0
     }
 
     /// Catmull's integrator, or sub-scanlines past its cap.
@@ -356,32 +341,34 @@ impl Place<'_> {
     }
 }
 
-/// Colours weighted by area: premultiplied, sRGB-encoded or linear. Kept in integers, so that the order
-/// of the regions does not matter.
+/// Colours weighted by area: premultiplied, sRGB-encoded or linear. The sums are exact, so that the
+/// order of the regions does not matter: a colour has 22 binary digits behind the point, an area 29.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Mean {
-    /// Red, green, blue and transmittance, times [`COLOR_ONE`] and area.
-    sums: [i64; 4],
+    /// Red, green, blue and transmittance, times the area in the units of [`PIXEL_AREA`].
+    sums: [f64; 4],
 }
 
-/// Full colour in [`Mean`]; times [`PIXEL_AREA`] it leaves the sign and 8 bits of an `i64`.
-const COLOR_ONE: f32 = (1 << 24) as f32;
-
 impl Mean {
-    fn add(&mut self, sheet: Sheet, area: i64, linear: bool) {
+    #[inline]
+    pub fn add(&mut self, sheet: Sheet, area: i64, linear: bool) {
         debug_assert!((0..=PIXEL_AREA).contains(&area));
         let sheet = if linear { sheet.to_linear() } else { sheet };
-        let [r, g, b] = sheet.color;
-        for (sum, share) in self.sums.iter_mut().zip([r, g, b, sheet.through]) {
-            *sum += (share * COLOR_ONE).round_ties_even() as i64 * area;
+        let area = area as f64;
+        for (sum, share) in self.sums.iter_mut().zip(sheet.channels()) {
+            // Between 2 and 4 a float has 22 digits behind the point.
+            let rounded = (share + 2.0) - 2.0;
+            *sum += f64::from(rounded) * area;
         }
     }
 
     /// The one rounding: to straight 8-bit RGBA, sRGB-encoded.
+    #[inline]
     pub fn to_rgba8(self, linear: bool) -> [u8; 4] {
-        let whole = PIXEL_AREA as f64 * f64::from(COLOR_ONE);
-        let [r, g, b, through] = self.sums.map(|sum| (sum as f64 / whole) as f32);
-        let sheet = Sheet { color: [r, g, b], through };
+        const SCALE: f64 = 1.0 / PIXEL_AREA as f64;
+        let [r, g, b, through] = self.sums;
+        let (r, g, b) = ((r * SCALE) as f32, (g * SCALE) as f32, (b * SCALE) as f32);
+        let sheet = Sheet { color: [r, g, b], through: (through * SCALE) as f32 };
         if linear { sheet.from_linear() } else { sheet }.to_rgba8()
     }
 }

@@ -23,6 +23,13 @@ impl Sheet {
         Sheet { color: rgb.map(|c| c * alpha), through: 1.0 - alpha }
     }
 
+    /// Red, green, blue and transmittance.
+    #[inline]
+    pub fn channels(self) -> [f32; 4] {
+        let [r, g, b] = self.color;
+        [r, g, b, self.through]
+    }
+
     /// This sheet in front of another (Porter & Duff's `over`).
     #[inline]
     pub fn over(self, behind: Sheet) -> Sheet {
@@ -48,8 +55,11 @@ impl Sheet {
             return [0; 4];
         }
         let byte = |v: f32| (v * 255.0 + 0.5) as u8;
-        let [r, g, b] = self.color.map(|c| byte(c / alpha));
-        [r, g, b, byte(alpha)]
+        let [r, g, b] = self.color;
+        if alpha == 1.0 {
+            return [byte(r), byte(g), byte(b), 255];
+        }
+        [byte(r / alpha), byte(g / alpha), byte(b / alpha), byte(alpha)]
     }
 
     /// The same colour in linear light, still premultiplied.

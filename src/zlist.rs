@@ -1,0 +1,149 @@
+//! A pixel's z-list: what is painted on it behind the first border, front to back.
+//!
+//! Takes entries as [`crate::cel`] keeps them; gives the colour at once where that is easy, or else the
+//! items that [`crate::pixel::resolve`] works on.
+
+use crate::pixel::fragment::{Fragment, PIXEL_AREA};
+use crate::pixel::resolve::{Counts, Mean, Node, Resolver, Surroundings};
+use crate::scene::paint::Sheet;
+use crate::strips::{Piece, NO_PIECE};
+
+/// No entry, or the end of a list.
+pub(crate) const NO_ENTRY: u32 = u32::MAX;
+
+/// The node of an entry that covers the whole pixel.
+pub(crate) const WHOLE: u32 = u32::MAX;
+
+/// One element of a z-list.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Entry {
+    /// The one behind, or [`NO_ENTRY`].
+    pub next: u32,
+    /// Where in the pixel it is, or [`WHOLE`].
+    pub node: u32,
+    pub kind: Kind,
+}
+
+/// What an entry paints.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Kind {
+    Sheet(Sheet),
+    /// A shape's number.
+    Gradient(u32),
+    /// What follows, up to the matching end, composites as one and then fades by this opacity.
+    GroupStart(f32),
+    GroupEnd,
+}
+
+/// Where a pixel's list begins, and what lies in front of it.
+#[derive(Clone, Copy)]
+pub(crate) struct Head {
+    pub front: Sheet,
+    pub first: u32,
+}
+
+/// The z-lists of one band.
+pub(crate) struct ZLists<'a> {
+    pub entries: &'a [Entry],
+    pub nodes: &'a [Node],
+    pub pieces: &'a [Piece],
+}
+
+impl ZLists<'_> {
+    /// The colour of a pixel of opaque fragments only, when there is but one before a solid, or when
+    /// they tile the pixel. These are nearly all pixels of drawings without transparency.
+    #[inline]
+    pub fn resolve_simply(&self, head: Head, around: &Surroundings, counts: &mut Counts) -> Option<Mean> {
+        if head.front != Sheet::CLEAR {
+            return None;
+        }
+        let mut mean = Mean::default();
+        let (mut fragments, mut area) = (0, 0);
+        let mut borders = Borders::default();
+        let mut behind = around.background;
+        let mut next = head.first;
+        while let Some(entry) = self.entries.get(next as usize) {
+            let Kind::Sheet(sheet) = entry.kind else {
+                return None;
+            };
+            if entry.node == WHOLE {
+                behind = sheet.over(behind);
+                break;
+            }
+            let Node::Leaf(fragment) = &self.nodes[entry.node as usize] else {
+                return None;
+            };
+            if !sheet.is_opaque() {
+                return None;
+            }
+            mean.add(sheet, fragment.area(), around.linear);
+            fragments += 1;
+            area += fragment.area();
+            if area > PIXEL_AREA {
+                return None;
+            }
+            borders.add(fragment, self.pieces);
+            next = entry.next;
+        }
+        if fragments == 1 {
+            counts.one_fragment += 1;
+            mean.add(behind, PIXEL_AREA - area, around.linear);
+        } else if area == PIXEL_AREA && borders.cancel() {
+            counts.tiled += 1;
+        } else {
+            return None;
+        }
+        Some(mean)
+    }
+
+    /// Gives the list to the resolver.
+    pub fn read(&self, head: Head, resolver: &mut Resolver) {
+        resolver.clear();
+        if head.front != Sheet::CLEAR {
+            resolver.push_sheet(head.front, None, self.nodes);
+        }
+        let mut next = head.first;
+        while let Some(entry) = self.entries.get(next as usize) {
+            let node = (entry.node != WHOLE).then_some(entry.node);
+            match entry.kind {
+                Kind::Sheet(sheet) => resolver.push_sheet(sheet, node, self.nodes),
+                Kind::Gradient(shape) => resolver.push_gradient(shape, node, self.nodes),
+                Kind::GroupStart(opacity) => resolver.start_group(opacity),
+                Kind::GroupEnd => resolver.end_group(),
+            }
+            next = entry.next;
+        }
+    }
+}
+
+/// The partition test: do fragments tile the pixel, does each point lie in exactly one? They do when
+/// all borders cancel, line by line, and the areas sum to the pixel: then the number of fragments over
+/// a point is the same everywhere, and one on average.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Borders {
+    sum: u64,
+    unknown: bool,
+}
+
+impl Borders {
+    /// Adds a fragment's border.
+    #[inline]
+    pub fn add(&mut self, fragment: &Fragment, pieces: &[Piece]) {
+        self.unknown |= fragment.sense == 0;
+        let mut next = fragment.pieces;
+        while next != NO_PIECE {
+            let piece = &pieces[next as usize];
+            if (piece.x0, piece.y0) != (piece.x1, piece.y1) {
+                let times = i64::from(fragment.sense * piece.winding) as u64;
+                self.sum = self.sum.wrapping_add(piece.identity().wrapping_mul(times));
+            }
+            next = piece.next;
+        }
+    }
+
+    /// Has each line been added as often one way as the other?
+    #[inline]
+    pub fn cancel(&self) -> bool {
+        self.sum == 0 && !self.unknown
+    }
+}
