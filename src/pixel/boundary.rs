@@ -1,11 +1,13 @@
-//! The closed form for fragments whose borders do not cross: takes them, makes the visible regions and
-//! their areas, in integers.
+//! The closed form for fragments whose borders cross seldom or never: takes them, makes the visible
+//! regions and their areas, in integers.
 //!
 //! Where no border meets another but in end points, the set of fragments over a point is the same all
 //! along one side of a piece. By Green's theorem a set's area is then a sum over the left border of
 //! the pixel and over the pieces: each adds the area right of it to the set on its right side and
 //! takes it from the set on its left. Pieces that two fragments share are both crossed at once.
+//! Borders that do meet are cut there first; with many cuts Catmull's recursion is cheaper.
 
+use super::cuts::Cuts;
 use super::fragment::{PieceSteps, PIXEL_AREA};
 use super::split::MOST_LEAVES;
 use crate::edges::ONE;
@@ -14,6 +16,9 @@ use crate::strips::{Piece, NO_PIECE};
 
 /// More pieces than this are left to the integrator.
 const MOST_PIECES: usize = 64;
+
+/// Pieces cut more often than this are left to the integrator.
+const MOST_CUTS: usize = 64;
 
 /// A piece of one of the fragments.
 #[derive(Clone, Copy, Debug)]
@@ -30,6 +35,8 @@ struct Chord {
 #[derive(Default)]
 pub(crate) struct Boundary {
     chords: Vec<Chord>,
+    cuts: Cuts,
+    parts: Vec<Chord>,
     /// (y, step of the winding number, fragment), down the left border.
     steps: Vec<(u16, i32, u32)>,
     /// Each fragment's winding number in the top left corner, and its rule.
@@ -47,7 +54,7 @@ impl Boundary {
         self.corner.clear();
     }
 
-    /// Adds a fragment whose own pieces do not cross; its number is the count of those added before.
+    /// Adds a fragment whose own pieces do not cross each other; its number is the count of those added before.
     pub fn add(&mut self, last: u32, cover_left: i32, rule: FillRule, pieces: &[Piece]) {
         let leaf = self.corner.len() as u32;
         let mut base = PieceSteps::new(cover_left);
@@ -69,9 +76,14 @@ impl Boundary {
 
     /// The regions: sets of fragments, one bit each, and their areas, or `None` where borders cross.
     pub fn regions(&mut self) -> Option<&[(u64, i64)]> {
-        if self.corner.len() > MOST_LEAVES || self.chords.len() > MOST_PIECES || self.borders_meet() {
+        if self.corner.len() > MOST_LEAVES || self.chords.len() > MOST_PIECES {
             return None;
         }
+        self.find_cuts();
+        if self.cuts.len() > MOST_CUTS {
+            return None;
+        }
+        self.cut();
         self.regions.clear();
         self.sum_left_border();
         self.sum_pieces();
@@ -79,11 +91,26 @@ impl Boundary {
         Some(&self.regions)
     }
 
-    fn borders_meet(&self) -> bool {
-        self.chords.iter().enumerate().any(|(i, a)| {
+    fn find_cuts(&mut self) {
+        self.cuts.clear();
+        for (i, a) in self.chords.iter().enumerate() {
             let earlier = self.chords[..i].iter().take_while(|b| b.leaf != a.leaf);
-            earlier.into_iter().any(|b| meet(a, b))
-        })
+            earlier.enumerate().for_each(|(j, b)| self.cuts.meet((i, a.ends()), (j, b.ends())));
+        }
+    }
+
+    /// Replaces pieces that are cut by their parts.
+    fn cut(&mut self) {
+        if self.cuts.len() == 0 {
+            return;
+        }
+        self.parts.clear();
+        let mut cuts = self.cuts.sorted();
+        for (i, chord) in self.chords.iter().enumerate() {
+            let parts = &mut self.parts;
+            cuts.parts(i, chord.ends(), |from, to| parts.extend(chord.part(from, to)));
+        }
+        std::mem::swap(&mut self.chords, &mut self.parts);
     }
 
     fn sum_left_border(&mut self) {
@@ -169,7 +196,19 @@ impl Boundary {
     }
 }
 
-/// Do the pieces meet other than in their end points? The same piece twice does not.
-fn meet(a: &Chord, b: &Chord) -> bool {
-    super::fragment::interiors_meet([a.x0, a.y0, a.x1, a.y1], [b.x0, b.y0, b.x1, b.y1])
+impl Chord {
+    fn ends(&self) -> [i32; 4] {
+        [self.x0, self.y0, self.x1, self.y1]
+    }
+
+    /// The part between two points, if it has a length; it runs from the upper end to the lower.
+    fn part(&self, (x0, y0): (i32, i32), (x1, y1): (i32, i32)) -> Option<Chord> {
+        match (y0, x0).cmp(&(y1, x1)) {
+            std::cmp::Ordering::Equal => None,
+            std::cmp::Ordering::Less => Some(Chord { x0, y0, x1, y1, ..*self }),
+            std::cmp::Ordering::Greater => {
+                Some(Chord { x0: x1, y0: y1, x1: x0, y1: y0, winding: -self.winding, ..*self })
+            }
+        }
+    }
 }

@@ -3,13 +3,15 @@
 //! | module | takes → makes |
 //! |---|---|
 //! | [`fragment`] | one shape's cell → its fragment, with the exact area |
+//! | [`cuts`] | pieces that meet → the parts between |
 //! | [`indicator`] | a fragment that crosses itself → the border of what its rule fills |
-//! | [`boundary`] | fragments whose borders do not cross → visible regions |
+//! | [`boundary`] | fragments whose borders cross seldom or never → visible regions |
 //! | [`split`] | several fragments → visible regions (Catmull's integrator) |
 //! | [`sample`] | the same, bounded, where splitting would take too long |
 //! | [`resolve`] | z-list → regions by the cheapest exact way → colour |
 
 pub(crate) mod boundary;
+pub(crate) mod cuts;
 pub(crate) mod fragment;
 pub(crate) mod indicator;
 pub(crate) mod resolve;
