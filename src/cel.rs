@@ -180,8 +180,15 @@ impl Cel {
         let mut saturated = 0;
         for_runs(touched & !listed, |a, b| {
             let sheets = &mut self.sheets[start + a..start + b];
-            for (i, sheet) in sheets.iter_mut().enumerate() {
-                *sheet = sheet.over(brush.at(first + a + i, y));
+            match brush {
+                Brush::Flat(behind, _) => sheets.iter_mut().for_each(|sheet| *sheet = sheet.over(*behind)),
+                Brush::Gradient { .. } => {
+                    for (i, sheet) in sheets.iter_mut().enumerate() {
+                        *sheet = sheet.over(brush.at(first + a + i, y));
+                    }
+                }
+            }
+            for (i, sheet) in sheets.iter().enumerate() {
                 saturated |= u64::from(sheet.through < NEGLIGIBLE) << (a + i);
             }
         });

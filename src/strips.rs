@@ -97,20 +97,21 @@ impl Buckets {
     /// that are `finished` get no pieces, and rows below the picture's end nothing at all.
     pub fn add(&mut self, edge: &Edge, top: u32, rows: usize, finished: &Bitmap, pieces: &mut Vec<Piece>) {
         let top = (top as i32) << FRACTION_BITS;
-        let slope = SlopeX::of(edge);
-        let mut y = edge.y0.max(top);
         let end = edge.y1.min(top + rows as i32 * ONE);
-        let mut x = slope.x_at(edge, y);
-        if edge.y0 == edge.y1 {
-            // On a strip's upper border it bounds nothing inside.
-            if y & (ONE - 1) != 0 {
-                let row = ((y - top) >> FRACTION_BITS) as usize;
-                let y = y & (ONE - 1);
-                let strip = Strip { x0: edge.x0, y0: y, x1: edge.x1, y1: y, winding: edge.winding };
-                self.add_strip(row, strip, finished, pieces);
+        let first_row = (edge.y0 - top) >> FRACTION_BITS;
+        if first_row >= 0 && edge.y1 - top <= (first_row + 1) << FRACTION_BITS {
+            // It lies in one strip. On the strip's upper border it would bound nothing inside.
+            let row_top = top + (first_row << FRACTION_BITS);
+            let (y0, y1) = (edge.y0 - row_top, edge.y1 - row_top);
+            if y1 != 0 {
+                let strip = Strip { x0: edge.x0, y0, x1: edge.x1, y1, winding: edge.winding };
+                self.add_strip(first_row as usize, strip, finished, pieces);
             }
             return;
         }
+        let slope = SlopeX::of(edge);
+        let mut y = edge.y0.max(top);
+        let mut x = slope.x_at(edge, y);
         while y < end {
             let row = (y - top) >> FRACTION_BITS;
             let row_top = top + (row << FRACTION_BITS);

@@ -50,50 +50,66 @@ pub(crate) struct ZLists<'a> {
 }
 
 impl ZLists<'_> {
-    /// The colour of a pixel of opaque fragments only, when there is but one before a solid, or when
-    /// they tile the pixel. These are nearly all pixels of drawings without transparency.
-    #[inline]
+    /// The colour of a pixel with one fragment among sheets of one colour, or of opaque fragments that
+    /// tile the pixel. These are nearly all pixels of most drawings.
     pub fn resolve_simply(&self, head: Head, around: &Surroundings, counts: &mut Counts) -> Option<Mean> {
-        if head.front != Sheet::CLEAR {
-            return None;
+        let entry = self.entries.get(head.first as usize)?;
+        let (first, sheet) = self.leaf(entry)?;
+        match self.entries.get(entry.next as usize) {
+            Some(second) if second.node != WHOLE => self.tiled(entry, head.front, around, counts),
+            _ => {
+                let behind = self.sheets_behind(entry.next, around.background)?;
+                let mut mean = Mean::default();
+                mean.add(head.front.over(sheet.over(behind)), first.area(), around.linear);
+                mean.add(head.front.over(behind), PIXEL_AREA - first.area(), around.linear);
+                counts.one_fragment += 1;
+                Some(mean)
+            }
         }
-        let mut mean = Mean::default();
-        let (mut fragments, mut area) = (0, 0);
-        let mut borders = Borders::default();
-        let mut behind = around.background;
-        let mut next = head.first;
+    }
+
+    /// An entry of one fragment and one colour.
+    fn leaf(&self, entry: &Entry) -> Option<(&Fragment, Sheet)> {
+        match (entry.kind, self.nodes.get(entry.node as usize)?) {
+            (Kind::Sheet(sheet), Node::Leaf(fragment)) => Some((fragment, sheet)),
+            _ => None,
+        }
+    }
+
+    /// All from this entry on, if they are whole sheets of one colour.
+    fn sheets_behind(&self, first: u32, background: Sheet) -> Option<Sheet> {
+        let mut front = Sheet::CLEAR;
+        let mut next = first;
         while let Some(entry) = self.entries.get(next as usize) {
-            let Kind::Sheet(sheet) = entry.kind else {
-                return None;
-            };
-            if entry.node == WHOLE {
-                behind = sheet.over(behind);
-                break;
+            match entry.kind {
+                Kind::Sheet(sheet) if entry.node == WHOLE => front = front.over(sheet),
+                _ => return None,
             }
-            let Node::Leaf(fragment) = &self.nodes[entry.node as usize] else {
-                return None;
-            };
-            if !sheet.is_opaque() {
-                return None;
-            }
-            mean.add(sheet, fragment.area(), around.linear);
-            fragments += 1;
+            next = entry.next;
+        }
+        Some(front.over(background))
+    }
+
+    /// Opaque fragments that tile the pixel.
+    fn tiled(&self, first: &Entry, front: Sheet, around: &Surroundings, counts: &mut Counts) -> Option<Mean> {
+        let mut mean = Mean::default();
+        let mut area = 0;
+        let mut borders = Borders::default();
+        let mut entry = first;
+        while area < PIXEL_AREA {
+            let (fragment, sheet) = self.leaf(entry).filter(|(_, sheet)| sheet.is_opaque())?;
             area += fragment.area();
             if area > PIXEL_AREA {
                 return None;
             }
+            mean.add(front.over(sheet), fragment.area(), around.linear);
             borders.add(fragment, self.pieces);
-            next = entry.next;
+            if area < PIXEL_AREA {
+                entry = self.entries.get(entry.next as usize)?;
+            }
         }
-        if fragments == 1 {
-            counts.one_fragment += 1;
-            mean.add(behind, PIXEL_AREA - area, around.linear);
-        } else if area == PIXEL_AREA && borders.cancel() {
-            counts.tiled += 1;
-        } else {
-            return None;
-        }
-        Some(mean)
+        counts.tiled += u64::from(borders.cancel());
+        borders.cancel().then_some(mean)
     }
 
     /// Gives the list to the resolver.

@@ -33,8 +33,12 @@ impl Sheet {
     /// This sheet in front of another (Porter & Duff's `over`).
     #[inline]
     pub fn over(self, behind: Sheet) -> Sheet {
-        let mix = |i: usize| self.color[i] + self.through * behind.color[i];
-        Sheet { color: [mix(0), mix(1), mix(2)], through: self.through * behind.through }
+        let mut mixed = behind.channels().map(|channel| self.through * channel);
+        for (channel, own) in mixed.iter_mut().zip(self.color) {
+            *channel += own;
+        }
+        let [r, g, b, through] = mixed;
+        Sheet { color: [r, g, b], through }
     }
 
     /// This sheet at less opacity.
