@@ -18,6 +18,8 @@ pub mod render;
 
 mod outlines;
 
+mod pen;
+
 mod polygons;
 
 mod edges;

@@ -6,9 +6,10 @@
 //! is therefore moved outwards by `-p'' h^2 / 12`, which gives back the two half slivers beside it.
 
 use crate::edges::EdgeList;
+use crate::pen;
 use crate::scene::{Geometry, Outline};
-use kurbo::{Affine, BezPath, PathEl, Point, Vec2};
-use usvg::tiny_skia_path::PathSegment;
+use kurbo::{Affine, PathEl, Point, Vec2};
+use usvg::tiny_skia_path::{PathSegment, PathStroker};
 
 /// A curve becomes at most this many chords, however large it is.
 const MOST_CHORDS: f64 = 16384.0;
@@ -16,18 +17,11 @@ const MOST_CHORDS: f64 = 16384.0;
 /// The area that a pixel may be off by, as a share of the tolerance times a pixel's side.
 const AREA_SHARE: f64 = 0.05;
 
-/// A stroke with more dashes than this is drawn without them.
-const MOST_DASHES: f64 = 1_000_000.0;
-
-/// A stroke's own curves take this share of the tolerance, their chords the rest.
-const STROKER_SHARE: f64 = 0.25;
-
 /// Flattens shapes; keeps its buffers from one to the next.
 #[derive(Default)]
 pub(crate) struct Flattener {
-    stroke: kurbo::StrokeCtx,
+    stroker: PathStroker,
     vertices: Vec<Point>,
-    path: BezPath,
 }
 
 impl Flattener {
@@ -43,32 +37,32 @@ impl Flattener {
                 if scale <= 0.0 || !scale.is_finite() {
                     return;
                 }
-                self.path.truncate(0);
-                self.path.extend(elements(&geometry.path));
-                let undashed;
-                let mut style: &kurbo::Stroke = style;
-                if has_too_many_dashes(&self.path, style) {
-                    undashed = kurbo::Stroke { dash_pattern: Default::default(), ..style.clone() };
-                    style = &undashed;
+                let fine = AREA_SHARE * tolerance / scale;
+                if let Some(outline) = pen::outline(&mut self.stroker, &geometry.path, style, fine) {
+                    let own = transform * Affine::scale(1.0 / f64::from(outline.size));
+                    let inner = if transform.determinant() < 0.0 { -1.0 } else { 1.0 };
+                    let mut lines = LoopCutter::new(edges, inner);
+                    self.polygons(elements(&outline.path), own, tolerance, &mut lines);
                 }
-                let fine = tolerance * STROKER_SHARE / scale;
-                let mut stroke = std::mem::take(&mut self.stroke);
-                kurbo::stroke_with(&self.path, style, &Default::default(), fine, &mut stroke);
-                let chords = tolerance * (1.0 - STROKER_SHARE);
-                self.polygons(stroke.output().iter(), transform, chords, edges);
-                self.stroke = stroke;
             }
         }
     }
 
     /// Flattens sub-paths; each is closed, as filling asks.
-    fn polygons(&mut self, path: impl Iterator<Item = PathEl>, transform: Affine, tolerance: f64, edges: &mut EdgeList) {
+    fn polygons(
+        &mut self,
+        path: impl Iterator<Item = PathEl>,
+        transform: Affine,
+        tolerance: f64,
+        edges: &mut impl Lines,
+    ) {
         let mut start = Point::ZERO;
         let mut last = Point::ZERO;
         for element in path {
             match element {
                 PathEl::MoveTo(p) => {
                     edges.line(last, start);
+                    edges.end();
                     start = transform * p;
                     last = start;
                 }
@@ -94,10 +88,11 @@ impl Flattener {
             }
         }
         edges.line(last, start);
+        edges.end();
     }
 
     /// The chords of one curve, whose control polygon is `hull`.
-    fn curve(&mut self, curve: Curve, hull: &[Point], tolerance: f64, edges: &mut EdgeList) {
+    fn curve(&mut self, curve: Curve, hull: &[Point], tolerance: f64, edges: &mut impl Lines) {
         let (first, last) = (hull[0], hull[hull.len() - 1]);
         if edges.sees_no_curve(hull) {
             edges.line(first, last);
@@ -125,6 +120,95 @@ impl Flattener {
         for pair in self.vertices.windows(2) {
             edges.line(pair[0], pair[1]);
         }
+    }
+}
+
+/// Where polygons go, line by line.
+trait Lines {
+    /// Adds a line, in pixels.
+    fn line(&mut self, from: Point, to: Point);
+    /// The polygon is complete.
+    fn end(&mut self);
+    /// Is a curve in this hull as good as the line between its ends?
+    fn sees_no_curve(&self, hull: &[Point]) -> bool;
+}
+
+impl Lines for EdgeList {
+    fn line(&mut self, from: Point, to: Point) {
+        EdgeList::line(self, from, to);
+    }
+
+    fn end(&mut self) {}
+
+    fn sees_no_curve(&self, hull: &[Point]) -> bool {
+        EdgeList::sees_no_curve(self, hull)
+    }
+}
+
+/// Cuts off the loops that a stroker leaves on the inner side of each corner: lines AB, BP, PC, CD
+/// where AB and CD cross in X become AX, XD.
+///
+/// ```text
+///         C
+///    A ---X--> B       P is the corner of the path that is stroked; the loop X B P C winds as
+///         |    |       the outline does, so what it bounds lies inside twice over.
+///         | <- P
+///         D
+/// ```
+struct LoopCutter<'a> {
+    edges: &'a mut EdgeList,
+    /// The last points of the polygon, whose lines are not handed on yet.
+    points: Vec<Point>,
+    /// 1 when loops inside the outline turn clockwise, -1 when they turn the other way.
+    inner: f64,
+}
+
+impl<'a> LoopCutter<'a> {
+    fn new(edges: &'a mut EdgeList, inner: f64) -> Self {
+        LoopCutter { edges, points: Vec::with_capacity(5), inner }
+    }
+
+    /// Where the first line and the last of four cross, in a loop that lies inside.
+    fn crossing(&self) -> Option<Point> {
+        let &[a, b, p, c, d] = &self.points[..] else {
+            return None;
+        };
+        let (ab, cd) = (b - a, d - c);
+        let turn = ab.cross(cd);
+        let (t, u) = ((c - a).cross(cd) / turn, (c - a).cross(ab) / turn);
+        let within = |v: f64| 0.0 < v && v < 1.0;
+        if !(within(t) && within(u)) {
+            return None;
+        }
+        let x = a + ab * t;
+        let doubled = (b - x).cross(p - x) + (p - x).cross(c - x);
+        (doubled * self.inner > 0.0).then_some(x)
+    }
+}
+
+impl Lines for LoopCutter<'_> {
+    fn line(&mut self, from: Point, to: Point) {
+        if self.points.is_empty() {
+            self.points.push(from);
+        }
+        self.points.push(to);
+        if let Some(x) = self.crossing() {
+            self.points.splice(1..4, [x]);
+        } else if self.points.len() == 5 {
+            self.edges.line(self.points[0], self.points[1]);
+            self.points.remove(0);
+        }
+    }
+
+    fn end(&mut self) {
+        for pair in self.points.windows(2) {
+            self.edges.line(pair[0], pair[1]);
+        }
+        self.points.clear();
+    }
+
+    fn sees_no_curve(&self, hull: &[Point]) -> bool {
+        self.edges.sees_no_curve(hull)
     }
 }
 
@@ -214,23 +298,4 @@ pub(crate) fn largest_scale(transform: Affine) -> f64 {
     let mixed = a * c + b * d;
     let spread = ((x - y) * (x - y) + 4.0 * mixed * mixed).sqrt();
     (0.5 * (x + y + spread)).sqrt()
-}
-
-fn has_too_many_dashes(path: &BezPath, style: &kurbo::Stroke) -> bool {
-    let period: f64 = style.dash_pattern.iter().sum();
-    if style.dash_pattern.is_empty() {
-        return false;
-    }
-    let length: f64 = path.segments().map(|s| control_length(&s)).sum();
-    // Written so that a period that is zero or not a number counts as too many.
-    !(length * style.dash_pattern.len() as f64 / period < MOST_DASHES)
-}
-
-/// Length of the control polygon: never less than the curve's own.
-fn control_length(segment: &kurbo::PathSeg) -> f64 {
-    match segment {
-        kurbo::PathSeg::Line(l) => (l.p1 - l.p0).hypot(),
-        kurbo::PathSeg::Quad(q) => (q.p1 - q.p0).hypot() + (q.p2 - q.p1).hypot(),
-        kurbo::PathSeg::Cubic(c) => (c.p1 - c.p0).hypot() + (c.p2 - c.p1).hypot() + (c.p3 - c.p2).hypot(),
-    }
 }
