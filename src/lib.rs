@@ -22,7 +22,7 @@ pub mod scene;
 pub use error::Error;
 pub use pixmap::Pixmap;
 pub use render::{Method, Renderer, Settings, Stages, Viewport};
-pub use scene::{Options, Scene, Warning};
+pub use scene::{FontSource, Limits, Options, Scene, Warning};
 
 /// The geometry types of the public interface ([`kurbo::Affine`] and friends).
 pub use kurbo;
