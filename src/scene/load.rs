@@ -7,6 +7,7 @@
 
 mod decode;
 mod guard;
+mod links;
 
 use crate::{Error, Options};
 use std::sync::{Arc, OnceLock};
@@ -22,6 +23,10 @@ const SHALLOW: usize = 64;
 /// Stack for drawings nested deeper than [`SHALLOW`]; usvg itself refuses more than 1,024 levels.
 /// The pages are touched only as far as the nesting goes.
 const DEEP_STACK: usize = 128 << 20;
+
+/// How often links in circles are looked for and cut. One round finds them all unless several of
+/// them lead to a group around an element which another link led to before.
+const ROUNDS: usize = 8;
 
 /// How much a drawing may ask for before it is refused.
 #[derive(Clone, Debug)]
@@ -84,15 +89,35 @@ impl Default for FontSource {
 /// [`Error::Parse`] when the bytes are not SVG, [`Error::Size`] when the drawing has no size,
 /// [`Error::Limit`] when it asks for more than the options' [`Limits`].
 pub fn tree_from_bytes(bytes: &[u8], options: &Options) -> Result<usvg::Tree, Error> {
-    let text = decode::text(bytes, options.limits.bytes)?;
+    let mut text = decode::text(bytes, options.limits.bytes)?;
     decode::check_entities(&text, options.limits.bytes)?;
-    let xml_options = roxmltree::ParsingOptions { allow_dtd: true, ..Default::default() };
-    let xml = roxmltree::Document::parse_with_options(&text, xml_options)
+    for _ in 0..ROUNDS {
+        let xml = parse_xml(&text)?;
+        let census = guard::check(&xml, options.usvg.style_sheet.as_deref(), &options.limits)?;
+        if census.circles.is_empty() {
+            return tree_from_xml(&xml, &census, options);
+        }
+        log::warn!("elements draw each other in circles: {} links are cut", census.circles.len());
+        text = guard::cut(&text, &census.circles).into();
+    }
+    Err(Error::Parse("its elements draw each other in circles".to_string()))
+}
+
+fn parse_xml(text: &str) -> Result<roxmltree::Document<'_>, Error> {
+    let options = roxmltree::ParsingOptions { allow_dtd: true, ..Default::default() };
+    let xml = roxmltree::Document::parse_with_options(text, options)
         .map_err(|e| Error::Parse(format!("not well-formed XML: {e}")))?;
     check_root(&xml)?;
-    let census = guard::check(&xml, options.usvg.style_sheet.as_deref(), &options.limits)?;
+    Ok(xml)
+}
+
+fn tree_from_xml(
+    xml: &roxmltree::Document,
+    census: &guard::Census,
+    options: &Options,
+) -> Result<usvg::Tree, Error> {
     let usvg_options = usvg_options(options, census.has_text);
-    let parse = || parse_guarded(&xml, &usvg_options);
+    let parse = || parse_guarded(xml, &usvg_options);
     if census.depth <= SHALLOW {
         return parse();
     }

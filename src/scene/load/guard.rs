@@ -1,20 +1,147 @@
-//! Takes the XML of a drawing, makes the census that the loader needs, and refuses what the parser
-//! would not survive.
+//! Takes the XML of a drawing, finds what the parser would not survive: links in a circle, which are
+//! to be cut, and links which multiply (a `use` of two `use`s of two `use`s …), which are refused.
+//!
+//! Promises: linear time and memory in the document and its links, and no recursion.
 
+use super::links::{self, index, Link, Place};
 use super::Limits;
 use crate::Error;
-use usvg::roxmltree::Document;
+use usvg::roxmltree::{Document, Node, NodeId};
 
 /// What the loader must know before it parses.
+#[derive(Debug)]
 pub(super) struct Census {
     /// Whether there is a text element.
     pub(super) has_text: bool,
-    /// Deepest nesting.
+    /// Deepest nesting, links followed.
     pub(super) depth: usize,
+    /// Links which close a circle.
+    pub(super) circles: Vec<Place>,
 }
 
 /// Counts, and refuses what is too much.
-pub(super) fn check(xml: &Document, _style_sheet: Option<&str>, _limits: &Limits) -> Result<Census, Error> {
-    let has_text = xml.descendants().any(|n| n.tag_name().name() == "text");
-    Ok(Census { has_text, depth: 65 })
+///
+/// # Errors
+/// [`Error::Limit`] for more elements than allowed, [`Error::Parse`] for a circle which no attribute
+/// closes.
+pub(super) fn check(xml: &Document, style_sheet: Option<&str>, limits: &Limits) -> Result<Census, Error> {
+    let links = links::find(xml, style_sheet);
+    let has_text = xml.descendants().any(|n| n.is_element() && n.tag_name().name() == "text");
+    let mut walk = Walk { links: &links, marks: vec![Mark::default(); xml.descendants().count()] };
+    let circles = walk.from(xml)?;
+    let root = walk.marks[index(xml.root().id())];
+    if root.elements > limits.elements {
+        return Err(Error::Limit(format!(
+            "it repeats its elements (use, marker, pattern, mask) to more than {}",
+            limits.elements
+        )));
+    }
+    Ok(Census { has_text, depth: root.depth, circles })
+}
+
+/// `text` with these links cut, the length and the positions of all else unchanged.
+pub(super) fn cut(text: &str, circles: &[Place]) -> String {
+    let mut bytes = text.as_bytes().to_vec();
+    for place in circles {
+        let link = &mut bytes[place.bytes.clone()];
+        link.fill(b' ');
+        if link.len() >= place.instead.len() {
+            link[..place.instead.len()].copy_from_slice(place.instead.as_bytes());
+        }
+    }
+    String::from_utf8(bytes).unwrap_or_else(|_| text.to_string())
+}
+
+/// What is known of a node and all that it draws.
+#[derive(Clone, Copy, Default)]
+struct Mark {
+    state: State,
+    /// Elements that the parser will make, itself among them.
+    elements: u64,
+    depth: usize,
+}
+
+#[derive(Clone, Copy, Default, PartialEq, Eq)]
+enum State {
+    #[default]
+    New,
+    /// The walk is inside it: a link to it closes a circle.
+    Open,
+    Done,
+}
+
+/// A walk through the document and along its links, depth first, each node once.
+struct Walk<'l> {
+    links: &'l [Link],
+    marks: Vec<Mark>,
+}
+
+/// A node the walk is inside of.
+struct Step<'d, 'l> {
+    node: Node<'d, 'd>,
+    next_child: Option<Node<'d, 'd>>,
+    next_link: usize,
+    /// The link by which the walk came; `None` if it came from the parent.
+    by: Option<&'l Link>,
+}
+
+impl<'l> Walk<'l> {
+    /// The links which close circles.
+    fn from(&mut self, xml: &Document) -> Result<Vec<Place>, Error> {
+        let mut circles = Vec::new();
+        let mut steps = vec![self.enter(xml.root(), None)];
+        while let Some(step) = steps.last_mut() {
+            let at = index(step.node.id());
+            let (node, by) = if let Some(child) = step.next_child {
+                step.next_child = child.next_sibling();
+                (child, None)
+            } else if let Some(link) = self.links.get(step.next_link).filter(|link| link.from == at) {
+                step.next_link += 1;
+                let Some(target) = xml.get_node(NodeId::from(link.to as u32)) else { continue };
+                (target, Some(link))
+            } else {
+                let by = step.by;
+                self.marks[at].state = State::Done;
+                steps.pop();
+                if let Some(outer) = steps.last() {
+                    self.add(index(outer.node.id()), at, by);
+                }
+                continue;
+            };
+            match self.marks[index(node.id())].state {
+                State::New => steps.push(self.enter(node, by)),
+                State::Done => self.add(at, index(node.id()), by),
+                State::Open => circles.push(link_on_circle(&steps, node, by)?),
+            }
+        }
+        Ok(circles)
+    }
+
+    fn enter<'d>(&mut self, node: Node<'d, 'd>, by: Option<&'l Link>) -> Step<'d, 'l> {
+        let at = index(node.id());
+        self.marks[at] = Mark { state: State::Open, elements: u64::from(node.is_element()), depth: 1 };
+        let next_link = self.links.partition_point(|link| link.from < at);
+        Step { node, next_child: node.first_child(), next_link, by }
+    }
+
+    /// `outer` draws `inner`, as its child or by a link.
+    fn add(&mut self, outer: usize, inner: usize, by: Option<&Link>) {
+        let times = by.map_or(1, |link| link.times);
+        let inner = self.marks[inner];
+        let outer = &mut self.marks[outer];
+        outer.elements = outer.elements.saturating_add(inner.elements.saturating_mul(times));
+        outer.depth = outer.depth.max(inner.depth + 1);
+    }
+}
+
+/// The last link with a place in the text on the circle from the open `node` through the steps back
+/// to it.
+fn link_on_circle(steps: &[Step], node: Node, closing: Option<&Link>) -> Result<Place, Error> {
+    let inside = steps.iter().rev().take_while(|step| step.node != node).map(|step| step.by);
+    let place = std::iter::once(closing).chain(inside).flatten().find_map(|link| link.place.clone());
+    let tag = node.tag_name().name();
+    let id = node.attribute("id").map(|id| format!(" '{id}'")).unwrap_or_default();
+    place.ok_or_else(|| Error::Parse(format!(
+        "the <{tag}>{id} is drawn with itself, by a style sheet or by what it inherits (give its shapes a paint of their own)"
+    )))
 }
