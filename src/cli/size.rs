@@ -5,6 +5,9 @@ use super::report::Failure;
 use toon_raster::kurbo::Affine;
 use toon_raster::{usvg, Viewport};
 
+/// Longest side of a PNG.
+const MAX_SIDE: u32 = i32::MAX as u32;
+
 /// How large the picture is. The aspect is always kept.
 #[derive(Clone, Copy, Debug)]
 pub enum Fit {
@@ -74,6 +77,11 @@ pub fn viewport(tree: &usvg::Tree, part: &Part, fit: Fit, max_pixels: u64) -> Re
         Part::Drawing => drawing_area(tree, whole),
         _ => whole,
     };
+    if viewport.width.max(viewport.height) > MAX_SIDE {
+        return Err(Failure::input(format!(
+            "a side of the picture would be longer than {MAX_SIDE} pixels (ask for less with -w, -h or -z)"
+        )));
+    }
     let pixels = viewport.width as u64 * viewport.height as u64;
     if pixels > max_pixels {
         return Err(Failure::input(format!(

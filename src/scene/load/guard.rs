@@ -39,17 +39,22 @@ pub(super) fn check(xml: &Document, style_sheet: Option<&str>, limits: &Limits) 
     Ok(Census { has_text, depth: root.depth, circles })
 }
 
-/// `text` with these links cut, the length and the positions of all else unchanged.
+/// `text` with these links cut.
 pub(super) fn cut(text: &str, circles: &[Place]) -> String {
-    let mut bytes = text.as_bytes().to_vec();
-    for place in circles {
-        let link = &mut bytes[place.bytes.clone()];
-        link.fill(b' ');
-        if link.len() >= place.instead.len() {
-            link[..place.instead.len()].copy_from_slice(place.instead.as_bytes());
+    let mut places: Vec<&Place> = circles.iter().collect();
+    places.sort_by_key(|place| place.bytes.start);
+    let mut out = String::with_capacity(text.len());
+    let mut at = 0;
+    for place in places {
+        // Two links in one attribute may have been found at the same place.
+        if place.bytes.start >= at {
+            out.push_str(&text[at..place.bytes.start]);
+            out.push_str(place.instead);
+            at = place.bytes.end;
         }
     }
-    String::from_utf8(bytes).unwrap_or_else(|_| text.to_string())
+    out.push_str(&text[at..]);
+    out
 }
 
 /// What is known of a node and all that it draws.
