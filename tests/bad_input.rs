@@ -215,6 +215,28 @@ fn links_that_multiply_are_refused() {
 }
 
 #[test]
+fn patterns_and_masks_that_multiply_are_refused_even_where_they_are_shared() {
+    let units = r#"width="9" height="9" patternUnits="userSpaceOnUse" maskUnits="userSpaceOnUse""#;
+    for (tag, property) in [("pattern", "fill"), ("mask", "mask")] {
+        let links: String = (1..40)
+            .map(|i| {
+                let shape = format!(r##"<rect width="9" height="9" {property}="url(#p{})"/>"##, i - 1);
+                format!(r#"<{tag} id="p{i}" {units}>{shape}{shape}</{tag}>"#)
+            })
+            .collect();
+        let file = format!(r##"{links}<rect width="9" height="9" {property}="url(#p39)"/>"##);
+        assert_refused(&Made::svg(&format!("shared-{tag}.svg"), &file).0, &[], "repeats its elements");
+    }
+}
+
+#[test]
+fn arcs_out_to_infinity_are_refused() {
+    let file = Made::svg("arc.svg", r#"<path id="far" d="M0 0a4 4 0 0 0-4 1e38c0 1 2 3 4 5z"/>"#);
+    assert_refused(&file.0, &[], "'far' has an arc");
+    assert_rendered(&Made::svg("arcs.svg", r#"<path d="M1e9 0A4e0 4 0 0 0 .0000000000004 1e-38z"/>"#).0);
+}
+
+#[test]
 fn entities_that_swell_are_refused() {
     let file = Made::new(
         "entities.svg",

@@ -5,6 +5,7 @@
 //! drawing has text. Images are neither opened nor decoded: each stays in the tree as a node of the
 //! right place, so that it can be reported.
 
+mod arcs;
 mod decode;
 mod guard;
 mod links;

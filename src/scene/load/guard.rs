@@ -4,9 +4,12 @@
 //! Promises: linear time and memory in the document and its links, and no recursion.
 
 use super::links::{self, index, Link, Place};
-use super::Limits;
+use super::{arcs, Limits};
 use crate::Error;
 use usvg::roxmltree::{Document, Node, NodeId};
+
+/// The parser may look at its elements so many times for each that it may make.
+const VISITS: u64 = 16;
 
 /// What the loader must know before it parses.
 #[derive(Debug)]
@@ -25,14 +28,15 @@ pub(super) struct Census {
 /// [`Error::Limit`] for more elements than allowed, [`Error::Parse`] for a circle which no attribute
 /// closes.
 pub(super) fn check(xml: &Document, style_sheet: Option<&str>, limits: &Limits) -> Result<Census, Error> {
+    arcs::check(xml)?;
     let links = links::find(xml, style_sheet);
     let has_text = xml.descendants().any(|n| n.is_element() && n.tag_name().name() == "text");
     let mut walk = Walk { links: &links, marks: vec![Mark::default(); xml.descendants().count()] };
     let circles = walk.from(xml)?;
     let root = walk.marks[index(xml.root().id())];
-    if root.elements > limits.elements {
+    if root.elements > limits.elements || root.visits > limits.elements.saturating_mul(VISITS) {
         return Err(Error::Limit(format!(
-            "it repeats its elements (use, marker, pattern, mask) to more than {}",
+            "it repeats its elements (use, marker, pattern, mask) too often: more than {} of them",
             limits.elements
         )));
     }
@@ -63,6 +67,9 @@ struct Mark {
     state: State,
     /// Elements that the parser will make, itself among them.
     elements: u64,
+    /// Elements that it will look at: as `elements`, but with what is made once and shared counted
+    /// wherever it is used.
+    visits: u64,
     depth: usize,
 }
 
@@ -124,7 +131,7 @@ impl<'l> Walk<'l> {
 
     fn enter<'d>(&mut self, node: Node<'d, 'd>, by: Option<&'l Link>) -> Step<'d, 'l> {
         let at = index(node.id());
-        self.marks[at] = Mark { state: State::Open, elements: u64::from(node.is_element()), depth: 1 };
+        self.marks[at] = Mark { state: State::Open, elements: 1, visits: 1, depth: 1 };
         let next_link = self.links.partition_point(|link| link.from < at);
         Step { node, next_child: node.first_child(), next_link, by }
     }
@@ -135,6 +142,7 @@ impl<'l> Walk<'l> {
         let inner = self.marks[inner];
         let outer = &mut self.marks[outer];
         outer.elements = outer.elements.saturating_add(inner.elements.saturating_mul(times));
+        outer.visits = outer.visits.saturating_add(inner.visits.saturating_mul(times.max(1)));
         outer.depth = outer.depth.max(inner.depth + 1);
     }
 }
