@@ -83,7 +83,7 @@ impl<W: Write> PngWriter<W> {
     /// When they cannot be written, are not whole, or are more than the picture has.
     pub fn write_rows(&mut self, rows: &[u8]) -> Result<(), Error> {
         let count = rows.len() / self.bytes_per_row;
-        if rows.len() % self.bytes_per_row != 0 || count > self.rows_left as usize {
+        if !rows.len().is_multiple_of(self.bytes_per_row) || count > self.rows_left as usize {
             return Err(wrong_rows(format!("{} bytes are not the picture's next rows", rows.len())));
         }
         for row in rows.chunks_exact(self.bytes_per_row) {

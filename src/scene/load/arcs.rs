@@ -59,7 +59,7 @@ fn holds_one(data: &str) -> bool {
             }
             S::ClosePath { .. } => continue,
         };
-        far |= numbers.iter().any(|n| !(n.abs() <= FARTHEST));
+        far |= numbers.iter().any(|n| n.is_nan() || n.abs() > FARTHEST);
     }
     arc && far
 }
