@@ -123,7 +123,7 @@ impl<'l> Walk<'l> {
             match self.marks[index(node.id())].state {
                 State::New => steps.push(self.enter(node, by)),
                 State::Done => self.add(at, index(node.id()), by),
-                State::Open => circles.push(link_on_circle(&steps, node, by)?),
+                State::Open => circles.extend(link_on_circle(&steps, node, by)?),
             }
         }
         Ok(circles)
@@ -148,13 +148,20 @@ impl<'l> Walk<'l> {
 }
 
 /// The last link with a place in the text on the circle from the open `node` through the steps back
-/// to it.
-fn link_on_circle(steps: &[Step], node: Node, closing: Option<&Link>) -> Result<Place, Error> {
-    let inside = steps.iter().rev().take_while(|step| step.node != node).map(|step| step.by);
-    let place = std::iter::once(closing).chain(inside).flatten().find_map(|link| link.place.clone());
+/// to it; `None` if the circle can be left to the parser, which notices markers inside themselves.
+fn link_on_circle(steps: &[Step], node: Node, closing: Option<&Link>) -> Result<Option<Place>, Error> {
+    let inside = || steps.iter().rev().take_while(|step| step.node != node);
+    let links = std::iter::once(closing).chain(inside().map(|step| step.by)).flatten();
+    if let Some(place) = links.into_iter().find_map(|link| link.place.clone()) {
+        return Ok(Some(place));
+    }
+    let is_marker = |node: &Node| node.tag_name().name() == "marker";
+    if is_marker(&node) && inside().filter(|step| step.by.is_some()).all(|step| is_marker(&step.node)) {
+        return Ok(None);
+    }
     let tag = node.tag_name().name();
     let id = node.attribute("id").map(|id| format!(" '{id}'")).unwrap_or_default();
-    place.ok_or_else(|| Error::Parse(format!(
+    Err(Error::Parse(format!(
         "the <{tag}>{id} is drawn with itself, by a style sheet or by what it inherits (give its shapes a paint of their own)"
     )))
 }
