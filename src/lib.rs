@@ -8,7 +8,7 @@
 //! | [`render`] | [`Scene`] + [`Viewport`] + [`Settings`] → pixel rows; the only file that knows the order of the stages |
 //! | [`pixmap`] | rows of pixels → [`Pixmap`] |
 //! | [`encode`] | rows of pixels → PNG |
-//! | [`reference`] | the same drawing computed another way, slowly: the truth the tests compare with |
+//! | [`mod@reference`] | the same drawing computed another way, slowly: the truth the tests compare with |
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
@@ -50,7 +50,7 @@ mod bitmap;
 pub use error::Error;
 pub use pixmap::Pixmap;
 pub use render::{Method, Renderer, Settings, Stages, Viewport};
-pub use scene::{Options, Scene, Warning};
+pub use scene::{FontSource, Limits, Options, Scene, Warning};
 
 /// The geometry types of the public interface ([`kurbo::Affine`] and friends).
 pub use kurbo;

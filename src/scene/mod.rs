@@ -6,6 +6,10 @@
 mod convert;
 pub(crate) mod paint;
 
+pub mod load;
+
+pub use load::{FontSource, Limits};
+
 use crate::Error;
 use kurbo::{Affine, Rect, Size};
 use paint::Paint;
@@ -15,9 +19,14 @@ use usvg::tiny_skia_path::{self, Path};
 /// How SVG bytes are read.
 #[derive(Default)]
 pub struct Options {
-    /// What usvg asks for: dpi, languages, style sheet, default font family, font database,
-    /// folder of external resources.
+    /// What usvg asks for: dpi, languages, style sheet, default font family. Its image resolver is
+    /// not called (images are never opened), and its font database stands in for
+    /// [`Options::fonts`] if it holds any font.
     pub usvg: usvg::Options<'static>,
+    /// Where fonts come from, asked only for drawings with text; by default the system's.
+    pub fonts: FontSource,
+    /// How much a drawing may ask for.
+    pub limits: Limits,
 }
 
 /// Something in the drawing which is not drawn as SVG says.
@@ -126,10 +135,9 @@ impl Scene {
     /// Reads an SVG or svgz.
     ///
     /// # Errors
-    /// [`Error::Parse`] when the bytes are not SVG, [`Error::Size`] when the drawing has no size.
+    /// As [`load::tree_from_bytes`] and [`Scene::from_tree`].
     pub fn from_bytes(bytes: &[u8], options: &Options) -> Result<Scene, Error> {
-        let tree = usvg::Tree::from_data(bytes, &options.usvg).map_err(|e| Error::Parse(e.to_string()))?;
-        Scene::from_tree(&tree)
+        Scene::from_tree(&load::tree_from_bytes(bytes, options)?)
     }
 
     /// Takes a tree that usvg has parsed already.

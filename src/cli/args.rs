@@ -1,0 +1,341 @@
+//! argv -> [`Job`], or one line on what is wrong with it. Flags mean what they mean to resvg.
+
+use super::fonts::FontOptions;
+use super::places::{self, Wanted};
+use super::query::QueryJob;
+use super::render::RenderJob;
+use super::report::Voice;
+use super::size::{Fit, Part};
+use super::values::{self, Color, Format, PerfStyle, ProgressStyle};
+use super::Job;
+use clap::{CommandFactory, Parser, ValueHint};
+use std::ffi::OsString;
+use std::io::IsTerminal;
+use std::path::PathBuf;
+use std::process::ExitCode;
+use toon_raster::{usvg, Method, Options, Settings};
+
+/// Most pixels of a picture if nothing else is said: 16,384 squared, 1 GiB of raw RGBA.
+const MAX_PIXELS: u64 = 1 << 28;
+
+/// Renders SVG cartoons with the exact visible area of every colour in every pixel.
+#[derive(Parser, Debug)]
+#[command(
+    name = "toon-raster",
+    version,
+    disable_help_flag = true,
+    disable_help_subcommand = true,
+    args_override_self = true,
+    args_conflicts_with_subcommands = true,
+    override_usage = "toon-raster [OPTIONS] IN.svg OUT.png\n       \
+                      toon-raster [OPTIONS] IN... -o FOLDER|shot.####.png\n       \
+                      toon-raster completions SHELL",
+    after_help = "`-` is standard input or output. Exit codes: 0 all done, 1 some input failed, \
+                  2 usage, 3 the input can't be rendered."
+)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Option<Command>,
+    /// Drawings (SVG or svgz; `-` is standard input); without -o the last one names the output
+    #[arg(value_name = "IN", value_hint = ValueHint::FilePath)]
+    paths: Vec<PathBuf>,
+    /// Output: a file, a folder, a pattern such as shot.####.png or shot.%04d.png, or `-`
+    #[arg(short, long, value_name = "OUT", value_hint = ValueHint::AnyPath)]
+    output: Option<PathBuf>,
+    /// Write to standard output
+    #[arg(short = 'c', conflicts_with = "output")]
+    to_stdout: bool,
+    /// Print this help
+    #[arg(long, action = clap::ArgAction::Help)]
+    help: Option<bool>,
+    #[command(flatten)]
+    size: SizeOptions,
+    #[command(flatten)]
+    picture: PictureOptions,
+    #[command(flatten)]
+    part: PartOptions,
+    #[command(flatten)]
+    reading: ReadingOptions,
+    #[command(flatten)]
+    fonts: FontOptions,
+    /// List the font faces that would be used
+    #[arg(long, help_heading = "Query")]
+    list_fonts: bool,
+    #[command(flatten)]
+    report: ReportOptions,
+}
+
+#[derive(clap::Subcommand, Debug)]
+enum Command {
+    /// Print a completion script for a shell
+    Completions {
+        /// bash, elvish, fish, powershell or zsh
+        shell: clap_complete::Shell,
+    },
+}
+
+#[derive(clap::Args, Debug)]
+#[command(next_help_heading = "Size (the aspect is always kept)")]
+struct SizeOptions {
+    /// Width in pixels
+    #[arg(short, long, value_name = "N", value_parser = values::length)]
+    width: Option<u32>,
+    /// Height in pixels
+    #[arg(short, long, value_name = "N", value_parser = values::length)]
+    height: Option<u32>,
+    /// Factor on the drawing's own size
+    #[arg(short, long, value_name = "F", value_parser = values::zoom, conflicts_with_all = ["width", "height"])]
+    zoom: Option<f32>,
+    /// Pixels an inch, for lengths in mm, pt and so on
+    #[arg(long, value_name = "N", default_value_t = 96, value_parser = clap::value_parser!(u32).range(10..=4000))]
+    dpi: u32,
+    /// Refuse pictures of more pixels than this
+    #[arg(long, value_name = "N", default_value_t = MAX_PIXELS)]
+    max_pixels: u64,
+}
+
+#[derive(clap::Args, Debug)]
+#[command(next_help_heading = "Picture")]
+struct PictureOptions {
+    /// CSS colour behind the drawing; without it the picture keeps its alpha
+    #[arg(short, long, value_name = "COLOR", value_parser = values::color)]
+    background: Option<Color>,
+    /// How edges are smoothed: exact (visible areas, Catmull 1978) or none (jagged)
+    #[arg(long, value_name = "METHOD", default_value = "exact", value_parser = values::method)]
+    aa: Method,
+    /// Farthest a flattened curve may lie from the true one, in output pixels
+    #[arg(long, value_name = "F", default_value = "0.1", value_parser = values::tolerance)]
+    tolerance: f64,
+    /// Mix edges in linear light (opacity still composites as SVG says)
+    #[arg(long)]
+    linear: bool,
+    /// Threads; 0 is one a core. The picture does not depend on it
+    #[arg(short, long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=1024))]
+    threads: u16,
+    /// png or rgba (raw pixels), where the output's name does not tell
+    #[arg(long, value_name = "FORMAT", value_parser = values::format)]
+    format: Option<Format>,
+    /// Spend the least time on packing the PNG
+    #[arg(long, conflicts_with = "small_png")]
+    fast_png: bool,
+    /// Spend more time on packing the PNG
+    #[arg(long)]
+    small_png: bool,
+    /// First number of an output pattern
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    start_number: u64,
+}
+
+#[derive(clap::Args, Debug)]
+#[command(next_help_heading = "Part of the drawing")]
+struct PartOptions {
+    /// Only the element with this id
+    #[arg(short = 'i', long, value_name = "ID")]
+    export_id: Option<String>,
+    /// With --export-id: on the whole page rather than on the element's box
+    #[arg(long, requires = "export_id")]
+    export_area_page: bool,
+    /// The box of all that is drawn rather than the page
+    #[arg(long, conflicts_with = "export_id")]
+    export_area_drawing: bool,
+    /// Print every id and its box (id,x,y,width,height) instead of a picture
+    #[arg(long, help_heading = "Query", conflicts_with = "query_bbox")]
+    query_all: bool,
+    /// Print the box of all that is drawn (x,y,width,height) instead of a picture
+    #[arg(long, help_heading = "Query")]
+    query_bbox: bool,
+}
+
+#[derive(clap::Args, Debug)]
+#[command(next_help_heading = "Reading")]
+struct ReadingOptions {
+    /// CSS file added before the drawing's own style sheets
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    stylesheet: Option<PathBuf>,
+    /// Languages for systemLanguage, the first choice first
+    #[arg(long, value_name = "LANG", default_value = "en", value_delimiter = ',', value_parser = values::languages)]
+    languages: Vec<String>,
+    /// Where the drawing says nothing: optimizeSpeed, crispEdges or geometricPrecision
+    #[arg(long, value_name = "HINT", default_value = "geometricPrecision", value_parser = values::shape_rendering)]
+    shape_rendering: usvg::ShapeRendering,
+    /// Where the drawing says nothing: optimizeSpeed, optimizeLegibility or geometricPrecision
+    #[arg(long, value_name = "HINT", default_value = "optimizeLegibility", value_parser = values::text_rendering)]
+    text_rendering: usvg::TextRendering,
+    /// Where the drawing says nothing: optimizeQuality, optimizeSpeed, smooth, high-quality,
+    /// crisp-edges or pixelated
+    #[arg(long, value_name = "HINT", default_value = "optimizeQuality", value_parser = values::image_rendering)]
+    image_rendering: usvg::ImageRendering,
+    /// Folder that relative links start from; by default the drawing's own
+    #[arg(long, value_name = "DIR", value_hint = ValueHint::DirPath)]
+    resources_dir: Option<PathBuf>,
+}
+
+#[derive(clap::Args, Debug)]
+#[command(next_help_heading = "Reports, on standard error")]
+struct ReportOptions {
+    /// Time of every stage; --perf=json for one JSON object a picture
+    #[arg(long, value_name = "STYLE", num_args = 0..=1, require_equals = true, default_missing_value = "text",
+          value_parser = values::perf)]
+    perf: Option<PerfStyle>,
+    /// Errors only
+    #[arg(short, long, conflicts_with = "verbose")]
+    quiet: bool,
+    /// Also what the SVG parser has to say
+    #[arg(short, long)]
+    verbose: bool,
+    /// bar (only on a terminal, only if the work is long), json or none
+    #[arg(long, value_name = "STYLE", default_value = "bar", value_parser = values::progress)]
+    progress: ProgressStyle,
+}
+
+/// What argv asks for.
+///
+/// # Errors
+/// One line about the first thing wrong.
+pub fn job(argv: impl Iterator<Item = OsString>) -> Result<Job, String> {
+    let argv: Vec<OsString> = argv.collect();
+    if let Some(command) = argv.get(1).and_then(|a| a.to_str()).filter(|a| ["compare", "explain"].contains(a))
+    {
+        return Err(format!("{command} is not available yet"));
+    }
+    let arguments = match Arguments::try_parse_from(argv) {
+        Ok(arguments) => arguments,
+        Err(e) if !e.use_stderr() => return Ok(Job::Print(e.render().to_string())),
+        Err(e) => return Err(first_line(&e)),
+    };
+    if let Some(Command::Completions { shell }) = arguments.command {
+        return Ok(Job::Completions(shell));
+    }
+    if arguments.list_fonts {
+        return Ok(Job::ListFonts(arguments.fonts));
+    }
+    log_if(arguments.report.verbose);
+    if arguments.part.query_all || arguments.part.query_bbox {
+        return query_job(arguments);
+    }
+    render_job(arguments)
+}
+
+/// clap's message without its label, hint lines and usage.
+fn first_line(error: &clap::Error) -> String {
+    let text = error.render().to_string();
+    let mut lines = text.lines().map(str::trim);
+    let mut message = lines.next().unwrap_or_default().trim_start_matches("error: ").to_string();
+    if message.ends_with(':') {
+        // The list that follows, up to the empty line: arguments missing or in conflict.
+        let list: Vec<&str> = lines.take_while(|line| !line.is_empty()).collect();
+        message = format!("{message} {}", list.join(" "));
+    }
+    format!("{message} (see --help)")
+}
+
+fn log_if(verbose: bool) {
+    if verbose {
+        super::report::log_to_stderr();
+    }
+}
+
+fn query_job(arguments: Arguments) -> Result<Job, String> {
+    let all = arguments.part.query_all;
+    let [input] = &arguments.paths[..] else {
+        return Err("a query takes one input and no output (see --help)".to_string());
+    };
+    let input = places::Source::from_argument(input);
+    Ok(Job::Query(QueryJob { input, all, options: options(&arguments)? }))
+}
+
+fn render_job(mut arguments: Arguments) -> Result<Job, String> {
+    let wanted = if arguments.to_stdout {
+        Wanted::Stdout
+    } else if let Some(output) = arguments.output.take() {
+        Wanted::Named(output)
+    } else {
+        match arguments.paths.len() {
+            0 => return Err("no input (see --help)".to_string()),
+            1 => {
+                return Err(
+                    "no output (name it after the input, or with -o; - is standard output)".to_string()
+                )
+            }
+            2 => Wanted::Beside(arguments.paths.pop().expect("two paths")),
+            _ => return Err("several inputs need -o with a folder or a pattern (shot.####.png)".to_string()),
+        }
+    };
+    if arguments.paths.is_empty() {
+        return Err("no input (see --help)".to_string());
+    }
+    let plan =
+        places::plan(&arguments.paths, wanted, arguments.picture.format, arguments.picture.start_number)?;
+    let options = options(&arguments)?;
+    let Arguments { size, picture, part, reading, report, .. } = arguments;
+    let settings = Settings {
+        method: picture.aa,
+        tolerance: picture.tolerance,
+        linear: picture.linear,
+        background: picture.background.map(|color| color.0),
+        threads: picture.threads.into(),
+    };
+    Ok(Job::Render(RenderJob {
+        plan,
+        options,
+        resources_dir: reading.resources_dir,
+        fit: fit(&size),
+        part: match part.export_id {
+            Some(id) => Part::Element { id, on_page: part.export_area_page },
+            None if part.export_area_drawing => Part::Drawing,
+            None => Part::Page,
+        },
+        max_pixels: size.max_pixels,
+        settings,
+        effort: values::effort(picture.fast_png, picture.small_png),
+        perf: report.perf,
+        voice: Voice { quiet: report.quiet },
+        progress: match report.progress {
+            ProgressStyle::Bar if !std::io::stderr().is_terminal() || report.quiet => ProgressStyle::None,
+            style => style,
+        },
+    }))
+}
+
+fn fit(size: &SizeOptions) -> Fit {
+    match (size.width, size.height, size.zoom) {
+        (Some(width), Some(height), _) => Fit::Within(width, height),
+        (Some(width), None, _) => Fit::Width(width),
+        (None, Some(height), _) => Fit::Height(height),
+        (None, None, Some(zoom)) => Fit::Zoom(zoom),
+        (None, None, None) => Fit::Original,
+    }
+}
+
+fn options(arguments: &Arguments) -> Result<Options, String> {
+    let reading = &arguments.reading;
+    let style_sheet = match &reading.stylesheet {
+        Some(file) => Some(
+            std::fs::read_to_string(file)
+                .map_err(|e| format!("the style sheet {} cannot be read: {e}", file.display()))?,
+        ),
+        None => None,
+    };
+    let (width, height) = (arguments.size.width.unwrap_or(100), arguments.size.height.unwrap_or(100));
+    let usvg = usvg::Options {
+        resources_dir: reading.resources_dir.clone(),
+        dpi: arguments.size.dpi as f32,
+        font_family: arguments.fonts.font_family.clone(),
+        font_size: arguments.fonts.font_size as f32,
+        languages: reading.languages.clone(),
+        shape_rendering: reading.shape_rendering,
+        text_rendering: reading.text_rendering,
+        image_rendering: reading.image_rendering,
+        default_size: usvg::Size::from_wh(width as f32, height as f32).expect("lengths are above zero"),
+        style_sheet,
+        ..Default::default()
+    };
+    Ok(Options { usvg, fonts: arguments.fonts.source(), ..Default::default() })
+}
+
+/// Prints a completion script.
+pub fn completions(shell: clap_complete::Shell) -> ExitCode {
+    let mut script = Vec::new();
+    clap_complete::generate(shell, &mut Arguments::command(), "toon-raster", &mut script);
+    super::report::print(&String::from_utf8_lossy(&script))
+}

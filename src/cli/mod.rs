@@ -1,0 +1,44 @@
+//! argv -> [`Job`], and what each job does. Nothing here is part of the library.
+//!
+//! | module | takes → makes |
+//! |---|---|
+//! | [`args`] | argv → [`Job`], or one line on what is wrong with it |
+//! | [`values`] | the text of one option → its value |
+//! | [`fonts`] | font options → where fonts come from |
+//! | [`places`] | inputs and output as named → who goes where |
+//! | [`input`] | one input → its bytes, then its tree |
+//! | [`size`] | size options, drawing → viewport |
+//! | [`render`] | the render job: every input to its place |
+//! | [`output`] | encoded bytes → a whole file or none |
+//! | [`query`] | the query job: ids and boxes |
+//! | [`report`] | what is said on standard error, and exit codes |
+//! | [`perf`] | times → a table or JSON |
+//!
+//! A new job (comparing methods, explaining a drawing, sampling an animation) is a new arm of
+//! [`Job`], a file beside `query.rs` and a line in `main.rs`.
+
+pub mod args;
+pub mod fonts;
+pub mod input;
+pub mod output;
+pub mod perf;
+pub mod places;
+pub mod query;
+pub mod render;
+pub mod report;
+pub mod size;
+pub mod values;
+
+/// What the user asked for.
+pub enum Job {
+    /// Drawings to pictures.
+    Render(render::RenderJob),
+    /// Ids and boxes of one drawing, on standard output.
+    Query(query::QueryJob),
+    /// The font faces that would be used, on standard output.
+    ListFonts(fonts::FontOptions),
+    /// A completion script, on standard output.
+    Completions(clap_complete::Shell),
+    /// Help or version, on standard output.
+    Print(String),
+}

@@ -1,0 +1,183 @@
+//! What is said on standard error, one line a matter, and the exit codes.
+
+use super::values::ProgressStyle;
+use std::io::{self, Write};
+use std::process::ExitCode;
+use std::time::{Duration, Instant};
+use toon_raster::{Error, Warning};
+
+/// Some input of several failed, or a place could not be read or written: trying again may help.
+const SOME_FAILED: u8 = 1;
+/// The command line is wrong.
+const USAGE: u8 = 2;
+/// The input can't be rendered: trying again won't help.
+const BAD_INPUT: u8 = 3;
+
+/// Why one input did not become a picture.
+#[derive(Debug)]
+pub enum Failure {
+    /// The input's fault, or that of what was asked of it.
+    Input(String),
+    /// The place's fault: a disk, a permission.
+    Io(String),
+    /// Nobody reads the output any more: nothing to say, nothing more to do.
+    ClosedPipe,
+}
+
+impl Failure {
+    pub fn input(message: impl Into<String>) -> Failure {
+        Failure::Input(message.into())
+    }
+
+    pub fn io(message: impl Into<String>) -> Failure {
+        Failure::Io(message.into())
+    }
+}
+
+impl From<Error> for Failure {
+    fn from(error: Error) -> Self {
+        Failure::Input(error.to_string())
+    }
+}
+
+/// How much is said.
+#[derive(Clone, Copy, Debug)]
+pub struct Voice {
+    pub quiet: bool,
+}
+
+/// One line for a failure of the input called `name`.
+pub fn failure(name: &str, failure: &Failure) {
+    match failure {
+        Failure::Input(message) | Failure::Io(message) => line(&format!("{name}: {message}")),
+        Failure::ClosedPipe => {}
+    }
+}
+
+/// One line a kind for what of the drawing is not drawn.
+pub fn warnings(name: &str, warnings: &[Warning], voice: Voice) {
+    if voice.quiet {
+        return;
+    }
+    for Warning { kind, element, count } in warnings {
+        let others = if *count > 1 { format!(" and {} more", count - 1) } else { String::new() };
+        line(&format!("{name}: warning: {kind} are not drawn: {element}{others}"));
+    }
+}
+
+/// Writes one line to standard error. Whoever closed it does not want to know.
+pub fn line(message: &str) {
+    let message: String = message.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
+    let _ = writeln!(io::stderr(), "toon-raster: {message}");
+}
+
+/// The exit code of a wrong command line, after its line.
+pub fn usage(message: &str) -> ExitCode {
+    line(message);
+    ExitCode::from(USAGE)
+}
+
+/// The exit code when `failures` of `inputs` failed.
+pub fn exit_code(inputs: usize, failures: &[Failure]) -> ExitCode {
+    match failures {
+        [] | [Failure::ClosedPipe] => ExitCode::SUCCESS,
+        [Failure::Input(_)] if inputs == 1 => ExitCode::from(BAD_INPUT),
+        _ => ExitCode::from(SOME_FAILED),
+    }
+}
+
+/// Prints to standard output; a reader that has left is no error.
+pub fn print(text: &str) -> ExitCode {
+    let mut out = io::stdout().lock();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(e) if e.kind() != io::ErrorKind::BrokenPipe => {
+            line(&format!("standard output cannot be written: {e}"));
+            ExitCode::from(SOME_FAILED)
+        }
+        _ => ExitCode::SUCCESS,
+    }
+}
+
+/// Turns the message and back trace of a panic off: whoever catches it says one line.
+pub fn silence_panics() {
+    std::panic::set_hook(Box::new(|_| {}));
+}
+
+/// Runs `work`; a panic in it becomes a failure.
+pub fn catching<T>(work: impl FnOnce() -> Result<T, Failure>) -> Result<T, Failure> {
+    std::panic::catch_unwind(std::panic::AssertUnwindSafe(work)).unwrap_or_else(|panic| {
+        let why = panic
+            .downcast_ref::<String>()
+            .map(String::as_str)
+            .or_else(|| panic.downcast_ref::<&str>().copied())
+            .unwrap_or("no reason given");
+        Err(Failure::input(format!("internal error, please report it with the drawing: {why}")))
+    })
+}
+
+/// Passes what the SVG parser has to say on to standard error.
+pub fn log_to_stderr() {
+    struct Logger;
+    impl log::Log for Logger {
+        fn enabled(&self, metadata: &log::Metadata) -> bool {
+            metadata.level() <= log::Level::Warn
+        }
+        fn log(&self, record: &log::Record) {
+            if self.enabled(record.metadata()) {
+                line(&format!("{}: {}", record.target(), record.args()));
+            }
+        }
+        fn flush(&self) {}
+    }
+    static LOGGER: Logger = Logger;
+    if log::set_logger(&LOGGER).is_ok() {
+        log::set_max_level(log::LevelFilter::Warn);
+    }
+}
+
+/// Tells how many inputs are done.
+pub struct Progress {
+    style: ProgressStyle,
+    total: usize,
+    done: usize,
+    started: Instant,
+    drawn: bool,
+}
+
+impl Progress {
+    /// Work shorter than this has no bar.
+    const PATIENCE: Duration = Duration::from_secs(1);
+    const BAR: usize = 30;
+
+    pub fn new(style: ProgressStyle, total: usize) -> Progress {
+        Progress { style, total, done: 0, started: Instant::now(), drawn: false }
+    }
+
+    /// One more input is done.
+    pub fn tick(&mut self, name: &str, ok: bool) {
+        self.done += 1;
+        let (done, total) = (self.done, self.total);
+        match self.style {
+            ProgressStyle::None => {}
+            ProgressStyle::Json => {
+                let name = super::perf::json_string(name);
+                let _ =
+                    writeln!(io::stderr(), r#"{{"done":{done},"total":{total},"input":{name},"ok":{ok}}}"#);
+            }
+            ProgressStyle::Bar if total > 1 && (self.drawn || self.started.elapsed() > Self::PATIENCE) => {
+                let full = Self::BAR * done / total;
+                let bar: String = (0..Self::BAR).map(|i| if i < full { '#' } else { '.' }).collect();
+                let _ = write!(io::stderr(), "\r[{bar}] {done}/{total}\x1b[K");
+                self.drawn = true;
+            }
+            ProgressStyle::Bar => {}
+        }
+    }
+
+    /// Takes the bar away, before a line or at the end.
+    pub fn clear(&mut self) {
+        if std::mem::take(&mut self.drawn) {
+            let _ = write!(io::stderr(), "\r\x1b[K");
+        }
+    }
+}

@@ -1,0 +1,219 @@
+//! Takes the bytes of an SVG or svgz, makes the tree that usvg parses from it.
+//!
+//! Promises: bounded memory and time whatever the bytes are (see [`Limits`] and `guard`), no panic,
+//! no stack overflow, no file or network access besides the fonts; fonts are asked for only if the
+//! drawing has text. Images are neither opened nor decoded: each stays in the tree as a node of the
+//! right place, so that it can be reported.
+
+mod arcs;
+mod decode;
+mod guard;
+mod links;
+
+use crate::{Error, Options};
+use std::sync::{Arc, OnceLock};
+use usvg::roxmltree;
+
+/// Namespace of SVG elements.
+const SVG_NAMESPACE: &str = "http://www.w3.org/2000/svg";
+
+/// Nesting (elements inside elements, `use` followed) up to which the caller's stack is enough.
+/// usvg needs some 2 KiB a level when optimised and 10 KiB when not; threads have 2 MiB.
+const SHALLOW: usize = 64;
+
+/// Stack for drawings nested deeper than [`SHALLOW`]; usvg itself refuses more than 1,024 levels.
+/// The pages are touched only as far as the nesting goes.
+const DEEP_STACK: usize = 128 << 20;
+
+/// How often links in circles are looked for and cut. One round finds them all unless several of
+/// them lead to a group around an element which another link led to before.
+const ROUNDS: usize = 8;
+
+/// How much a drawing may ask for before it is refused.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct Limits {
+    /// Bytes of the XML text, after unpacking and with its entities replaced.
+    pub bytes: u64,
+    /// Elements, counting an element again for each `use`, marker, pattern or mask that draws it.
+    pub elements: u64,
+}
+
+impl Default for Limits {
+    /// 256 MiB of text, a million elements.
+    fn default() -> Self {
+        Limits { bytes: 256 << 20, elements: 1_000_000 }
+    }
+}
+
+/// Where fonts come from. Nothing is loaded before the first drawing that has text; then once, for
+/// all drawings read with the same options.
+pub struct FontSource {
+    load: Box<dyn Fn() -> usvg::fontdb::Database + Send + Sync>,
+    loaded: OnceLock<Arc<usvg::fontdb::Database>>,
+}
+
+impl FontSource {
+    /// Fonts come from `load`, called at most once.
+    pub fn new(load: impl Fn() -> usvg::fontdb::Database + Send + Sync + 'static) -> FontSource {
+        FontSource { load: Box::new(load), loaded: OnceLock::new() }
+    }
+
+    /// The fonts of the system.
+    pub fn system() -> FontSource {
+        FontSource::new(|| {
+            let mut fonts = usvg::fontdb::Database::new();
+            fonts.load_system_fonts();
+            fonts
+        })
+    }
+
+    /// No font: text is left out.
+    pub fn none() -> FontSource {
+        FontSource::new(usvg::fontdb::Database::new)
+    }
+
+    fn database(&self) -> Arc<usvg::fontdb::Database> {
+        self.loaded.get_or_init(|| Arc::new((self.load)())).clone()
+    }
+}
+
+impl Default for FontSource {
+    fn default() -> Self {
+        FontSource::system()
+    }
+}
+
+/// Parses an SVG or svgz (known by its first bytes) in UTF-8, UTF-16 or declared Latin-1.
+///
+/// # Errors
+/// [`Error::Parse`] when the bytes are not SVG, [`Error::Size`] when the drawing has no size,
+/// [`Error::Limit`] when it asks for more than the options' [`Limits`].
+pub fn tree_from_bytes(bytes: &[u8], options: &Options) -> Result<usvg::Tree, Error> {
+    let mut text = decode::text(bytes, options.limits.bytes)?;
+    decode::check_entities(&text, options.limits.bytes)?;
+    for _ in 0..ROUNDS {
+        let xml = parse_xml(&text)?;
+        let census = guard::check(&xml, options.usvg.style_sheet.as_deref(), &options.limits)?;
+        if census.circles.is_empty() {
+            return tree_from_xml(&xml, &census, options);
+        }
+        log::warn!("elements draw each other in circles: {} links are cut", census.circles.len());
+        text = guard::cut(&text, &census.circles).into();
+    }
+    Err(Error::Parse("its elements draw each other in circles".to_string()))
+}
+
+fn parse_xml(text: &str) -> Result<roxmltree::Document<'_>, Error> {
+    let options = roxmltree::ParsingOptions { allow_dtd: true, ..Default::default() };
+    let xml = roxmltree::Document::parse_with_options(text, options)
+        .map_err(|e| Error::Parse(format!("not well-formed XML: {e}")))?;
+    check_root(&xml)?;
+    Ok(xml)
+}
+
+fn tree_from_xml(
+    xml: &roxmltree::Document,
+    census: &guard::Census,
+    options: &Options,
+) -> Result<usvg::Tree, Error> {
+    let usvg_options = usvg_options(options, census.has_text);
+    let parse = || parse_guarded(xml, &usvg_options);
+    if census.depth <= SHALLOW {
+        return parse();
+    }
+    std::thread::scope(|scope| {
+        std::thread::Builder::new()
+            .stack_size(DEEP_STACK)
+            .spawn_scoped(scope, parse)?
+            .join()
+            .unwrap_or_else(|panic| Err(parser_failed(&*panic)))
+    })
+}
+
+fn check_root(xml: &roxmltree::Document) -> Result<(), Error> {
+    let root = xml.root_element();
+    let tag = root.tag_name();
+    if tag.name() != "svg" {
+        return Err(Error::Parse(format!("not an SVG: the root element is <{}>", tag.name())));
+    }
+    match tag.namespace() {
+        None | Some(SVG_NAMESPACE) => Ok(()),
+        Some(other) => Err(Error::Parse(format!(
+            "not an SVG: the root element is in the namespace '{other}' (SVG's is {SVG_NAMESPACE})"
+        ))),
+    }
+}
+
+fn parse_guarded(xml: &roxmltree::Document, options: &usvg::Options) -> Result<usvg::Tree, Error> {
+    let parse = std::panic::AssertUnwindSafe(|| usvg::Tree::from_xmltree(xml, options));
+    match std::panic::catch_unwind(parse) {
+        Ok(Ok(tree)) => Ok(tree),
+        Ok(Err(usvg::Error::InvalidSize)) => Err(Error::Size(
+            "the drawing has no size (width, height and viewBox must be above zero)".to_string(),
+        )),
+        Ok(Err(usvg::Error::ElementsLimitReached)) => Err(too_many_elements()),
+        Ok(Err(usvg::Error::ParsingFailed(roxmltree::Error::NodesLimitReached))) => Err(too_many_elements()),
+        Ok(Err(e)) => Err(Error::Parse(e.to_string())),
+        Err(panic) => Err(parser_failed(&*panic)),
+    }
+}
+
+fn too_many_elements() -> Error {
+    Error::Limit("nested deeper than 1,024 levels, or more than a million elements with <use>".to_string())
+}
+
+fn parser_failed(panic: &(dyn std::any::Any + Send)) -> Error {
+    let why = panic
+        .downcast_ref::<String>()
+        .map(String::as_str)
+        .or_else(|| panic.downcast_ref::<&str>().copied())
+        .unwrap_or("no reason given");
+    Error::Parse(format!("the SVG parser failed on this drawing: {}", why.lines().next().unwrap_or("")))
+}
+
+/// The caller's options for usvg, with fonts if they are needed and with images left closed.
+fn usvg_options(options: &Options, has_text: bool) -> usvg::Options<'_> {
+    let given = &options.usvg;
+    let fontdb =
+        if has_text && given.fontdb.is_empty() { options.fonts.database() } else { given.fontdb.clone() };
+    usvg::Options {
+        resources_dir: given.resources_dir.clone(),
+        dpi: given.dpi,
+        font_family: given.font_family.clone(),
+        font_size: given.font_size,
+        languages: given.languages.clone(),
+        shape_rendering: given.shape_rendering,
+        text_rendering: given.text_rendering,
+        image_rendering: given.image_rendering,
+        default_size: given.default_size,
+        image_href_resolver: closed_images(),
+        font_resolver: usvg::FontResolver {
+            select_font: Box::new(|font, fonts| (given.font_resolver.select_font)(font, fonts)),
+            select_fallback: Box::new(|c, used, fonts| (given.font_resolver.select_fallback)(c, used, fonts)),
+        },
+        fontdb,
+        style_sheet: given.style_sheet.clone(),
+    }
+}
+
+/// Keeps image elements in the tree without opening a file, a nested SVG or a decoder: a link may
+/// name a device that never ends, or the drawing itself.
+fn closed_images() -> usvg::ImageHrefResolver<'static> {
+    usvg::ImageHrefResolver {
+        resolve_data: Box::new(|mime, data, _| match mime {
+            "image/jpg" | "image/jpeg" => Some(usvg::ImageKind::JPEG(data)),
+            "image/png" => Some(usvg::ImageKind::PNG(data)),
+            "image/gif" => Some(usvg::ImageKind::GIF(data)),
+            "image/webp" => Some(usvg::ImageKind::WEBP(data)),
+            _ => Some(placeholder()),
+        }),
+        resolve_string: Box::new(|_, _| Some(placeholder())),
+    }
+}
+
+/// Stands for a picture which was not opened: the header of a PNG of one pixel.
+fn placeholder() -> usvg::ImageKind {
+    const HEADER: &[u8] = b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\0\x01\0\0\0\x01\x08\x06\0\0\0\x1f\x15\xc4\x89";
+    usvg::ImageKind::PNG(Arc::new(HEADER.to_vec()))
+}
