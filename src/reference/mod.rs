@@ -75,10 +75,13 @@ impl Default for Options {
 /// Who makes the outlines of strokes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Stroker {
-    /// [`kurbo::stroke`]: few edges, but round caps and joins are off by up to 3e-4 of their radius.
+    /// [`kurbo::stroke`]: few edges. Round caps and joins are off by up to 3e-4 of their radius; where
+    /// a curve turns tighter than half the stroke's width, what the pen sweeps on the way round is
+    /// left out, as most renderers do.
     #[default]
     Kurbo,
-    /// The union of a box a flattened segment and a wedge a join: many edges, right by construction.
+    /// The union of a box a flattened segment and a wedge a turn: all that a pen held across the path
+    /// sweeps, by construction; twice the time, more where many strokes overlap.
     Pieces,
 }
 

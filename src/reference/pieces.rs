@@ -85,7 +85,7 @@ impl Pieces<'_> {
         let across = |direction: Vec2| direction.turn_90() * (self.radius * side);
         let (from, to) = (across(before), across(after));
         match join {
-            Join::Round => self.fan(at, from, cross.atan2(dot)),
+            Join::Round => self.fan(at, from, -side * cross.abs().atan2(dot)),
             // The mitre's length over the width is 1 / sin(half the angle between the segments).
             Join::Miter if 2.0 <= (1.0 + dot) * self.style.miter_limit.powi(2) => {
                 let tip = (from + to) / (1.0 + dot);

@@ -78,6 +78,16 @@ impl Polyline {
             }
         });
         let end = points.pop();
+        // A chord of almost no length has the direction of its rounding.
+        let apart = |a: Point, b: Point| a.distance(b) > tolerance;
+        let mut last = from;
+        points.retain(|&point| {
+            let keep = apart(point, last) && end.is_none_or(|end| apart(point, end));
+            if keep {
+                last = point;
+            }
+            keep
+        });
         let first = self.headings.len();
         points.into_iter().for_each(|point| {
             self.push(point, true);
@@ -211,6 +221,9 @@ impl Polyline {
     }
 }
 
+/// Control points this near to an end, in user units, give no direction: it would be of rounding.
+const SAME_POINT: f64 = 1e-6;
+
 /// The directions, of length 1, in which a curve leaves and arrives.
 fn tangents(from: Point, curve: PathEl) -> (Vec2, Vec2) {
     let points = match curve {
@@ -219,8 +232,8 @@ fn tangents(from: Point, curve: PathEl) -> (Vec2, Vec2) {
         _ => unreachable!("a curve"),
     };
     let last = points[points.len() - 1];
-    let leaves = points.iter().map(|&p| p - from).find(|v| v.hypot2() > 0.0);
-    let arrives = points.iter().rev().map(|&p| last - p).find(|v| v.hypot2() > 0.0);
+    let leaves = points.iter().map(|&p| p - from).find(|v| v.hypot2() > SAME_POINT.powi(2));
+    let arrives = points.iter().rev().map(|&p| last - p).find(|v| v.hypot2() > SAME_POINT.powi(2));
     let along = Vec2::new(1.0, 0.0);
     (leaves.unwrap_or(along).normalize(), arrives.unwrap_or(along).normalize())
 }

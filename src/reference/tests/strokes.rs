@@ -128,3 +128,18 @@ fn a_dash_or_a_line_of_no_length_is_a_dot_if_its_caps_are_round_or_square() {
         }
     }
 }
+
+#[test]
+fn a_round_join_stands_before_a_line_that_turns_back() {
+    for stroker in STROKERS {
+        for d in ["M10 3H4H10", "M4 3H10H4", "M4 3C6 3 10 3 10 3H4z"] {
+            let body = format!(
+                "<path fill='none' stroke='#000' stroke-width='2' stroke-linejoin='round'
+                    d='{d}'/>"
+            );
+            let ends = if d.ends_with('z') { 2.0 } else { 1.0 };
+            let wanted = 12.0 + ends * std::f64::consts::PI / 2.0;
+            assert_near(area(&truth_by(stroker, 14, 6, &body)), wanted, 5e-3);
+        }
+    }
+}
