@@ -6,6 +6,7 @@
 //! flattened, and the sorted list of active polygons is not needed. With 3,000 opaque blobs
 //! over one another four fifths of all (shape, band) pairs end there.
 
+use crate::bitmap::for_runs;
 use crate::cel::{Brush, Cel, Rows};
 use crate::clip::{clipped, ClipBand, Clipped};
 use crate::edges::{Bounds, EdgeList, BAND_ROWS};
@@ -221,25 +222,29 @@ impl BandRenderer {
             let pixels = rows.row(row, width);
             for (word, pixels) in pixels.chunks_mut(64).enumerate() {
                 let (done, uniform, listed) = cel.states(row, word);
-                if done == u64::MAX {
-                    continue;
-                }
-                for (i, pixel) in pixels.iter_mut().enumerate() {
-                    let (bit, x) = (1 << i, word * 64 + i);
-                    if uniform & bit != 0 {
-                        *pixel = cel.sheet(row, x).over(around.background).to_rgba8();
-                    } else if listed & bit != 0 {
-                        let list = ZLists { entries: &self.entries, nodes: &self.nodes, pieces: &self.pieces };
-                        let mean = list.resolve_simply(cel.list(row, x), around, &mut self.resolver.counts);
+                for_runs(!(done | uniform | listed), |from, to| {
+                    // The picture may end within the word.
+                    if let Some(run) = pixels.get_mut(from..to.min(pixels.len())) {
+                        run.fill(background);
+                    }
+                });
+                for_runs(uniform, |from, to| {
+                    for x in from..to {
+                        pixels[x] = cel.sheet(row, word * 64 + x).over(around.background).to_rgba8();
+                    }
+                });
+                for_runs(listed, |from, to| {
+                    for i in from..to {
+                        let x = word * 64 + i;
+                        let lists = ZLists { entries: &self.entries, nodes: &self.nodes, pieces: &self.pieces };
+                        let mean = lists.resolve_simply(cel.list(row, x), around, &mut self.resolver.counts);
                         let mean = mean.unwrap_or_else(|| {
-                            list.read(cel.list(row, x), &mut self.resolver);
+                            lists.read(cel.list(row, x), &mut self.resolver);
                             self.resolver.resolve(x as u32, y, &self.pieces, around)
                         });
-                        *pixel = mean.to_rgba8(around.linear);
-                    } else if done & bit == 0 {
-                        *pixel = background;
+                        pixels[i] = mean.to_rgba8(around.linear);
                     }
-                }
+                });
             }
         }
     }

@@ -5,6 +5,7 @@
 //! does to the pixels right of it.
 
 use kurbo::Point;
+use std::cmp::Ordering;
 
 /// Binary digits behind the point: 14 keep a vertex within 1/32768 px of its place, which moves a
 /// pixel's area by .01 of an 8-bit level at most.
@@ -54,12 +55,32 @@ pub(crate) struct EdgeList {
     edges: Vec<Edge>,
     width: f64,
     height: f64,
+    /// Where the polygon began, and where it has got to.
+    start: Corner,
+    last: Corner,
+}
+
+/// A corner of a polygon: in pixels, and in fixed point if it lies within the guard rectangle.
+#[derive(Clone, Copy)]
+struct Corner {
+    exact: Point,
+    fixed: Option<(i32, i32)>,
+}
+
+impl Corner {
+    #[inline]
+    fn new(exact: Point) -> Corner {
+        let within = exact.x.abs() <= GUARD && exact.y.abs() <= GUARD;
+        let fixed = |v: f64| round(v * f64::from(ONE));
+        Corner { exact, fixed: within.then(|| (fixed(exact.x), fixed(exact.y))) }
+    }
 }
 
 impl EdgeList {
     /// For a picture of this many pixels.
     pub fn new(width: u32, height: u32) -> EdgeList {
-        EdgeList { edges: Vec::new(), width: width.into(), height: height.into() }
+        let origin = Corner::new(Point::ZERO);
+        EdgeList { edges: Vec::new(), width: width.into(), height: height.into(), start: origin, last: origin }
     }
 
     /// Is a curve in this hull as good as the line between its ends? So it is when it lies above,
@@ -69,18 +90,49 @@ impl EdgeList {
         all(&|p| p.y <= 0.0) || all(&|p| p.y >= self.height) || all(&|p| p.x >= self.width) || all(&|p| p.x <= 0.0)
     }
 
-    /// Adds the line from `from` to `to`, both in pixels. A point that is not a number adds nothing.
-    pub fn line(&mut self, from: Point, to: Point) {
-        let (a, b, winding) = if (from.y, from.x) <= (to.y, to.x) { (from, to, 1) } else { (to, from, -1) };
-        let outside = b.y < 0.0 || a.y >= self.height || (a.x >= self.width && b.x >= self.width);
-        if outside || !(a.x + a.y + b.x + b.y).is_finite() {
+    /// Begins a polygon; the one before is closed.
+    pub fn move_to(&mut self, p: Point) {
+        self.close();
+        self.start = Corner::new(p);
+        self.last = self.start;
+    }
+
+    /// Adds a line, in pixels. A point that is not a number adds nothing.
+    #[inline]
+    pub fn line_to(&mut self, p: Point) {
+        self.line(Corner::new(p));
+    }
+
+    /// Adds the line back to the polygon's beginning.
+    pub fn close(&mut self) {
+        self.line(self.start);
+    }
+
+    #[inline]
+    fn line(&mut self, to: Corner) {
+        let from = std::mem::replace(&mut self.last, to);
+        let (a, b) = (from.exact, to.exact);
+        let beside = (a.y < 0.0 && b.y < 0.0)
+            || (a.y >= self.height && b.y >= self.height)
+            || (a.x >= self.width && b.x >= self.width);
+        if beside {
             return;
         }
-        let within = |p: Point| p.x.abs() <= GUARD && p.y.abs() <= GUARD;
-        if within(a) && within(b) {
-            self.push(a, b, winding);
+        match (from.fixed, to.fixed) {
+            (Some(from), Some(to)) => self.push(from, to),
+            _ => self.long_line(a, b),
+        }
+    }
+
+    fn long_line(&mut self, from: Point, to: Point) {
+        if !(from.x + from.y + to.x + to.y).is_finite() {
+            return;
+        }
+        // Cut from the same end whichever way it runs.
+        if (from.y, from.x) <= (to.y, to.x) {
+            self.cut_to_guard(from, to, 1);
         } else {
-            self.cut_to_guard(a, b, winding);
+            self.cut_to_guard(to, from, -1);
         }
     }
 
@@ -91,34 +143,33 @@ impl EdgeList {
         let at_x = |x: f64| Point::new(x, a.y + (b.y - a.y) * ((x - a.x) / (b.x - a.x)));
         let top = if a.y < -GUARD { at_y(-GUARD) } else { a };
         let bottom = if b.y > GUARD { at_y(GUARD) } else { b };
-        let clamped = |p: Point| Point::new(p.x.clamp(-GUARD, GUARD), p.y.clamp(-GUARD, GUARD));
+        let fixed = |p: Point| {
+            let clamped = Point::new(p.x.clamp(-GUARD, GUARD), p.y.clamp(-GUARD, GUARD));
+            (round(clamped.x * f64::from(ONE)), round(clamped.y * f64::from(ONE)))
+        };
         let mut last = top;
         let mut cuts = [-GUARD, GUARD];
         if top.x > bottom.x {
             cuts.reverse();
         }
+        let mut line = |from, to| if winding > 0 { self.push(fixed(from), fixed(to)) } else { self.push(fixed(to), fixed(from)) };
         for x in cuts {
             if (top.x < x) != (bottom.x < x) {
                 let cut = at_x(x);
-                self.push(clamped(last), clamped(cut), winding);
+                line(last, cut);
                 last = cut;
             }
         }
-        self.push(clamped(last), clamped(bottom), winding);
+        line(last, bottom);
     }
 
-    fn push(&mut self, a: Point, b: Point, winding: i32) {
-        let fixed = |v: f64| round(v * f64::from(ONE));
-        let (x0, y0, x1, y1) = (fixed(a.x), fixed(a.y), fixed(b.x), fixed(b.y));
-        if (x0, y0) == (x1, y1) {
-            return;
+    #[inline]
+    fn push(&mut self, (ax, ay): (i32, i32), (bx, by): (i32, i32)) {
+        match (ay, ax).cmp(&(by, bx)) {
+            Ordering::Equal => {}
+            Ordering::Less => self.edges.push(Edge { x0: ax, y0: ay, x1: bx, y1: by, winding: 1 }),
+            Ordering::Greater => self.edges.push(Edge { x0: bx, y0: by, x1: ax, y1: ay, winding: -1 }),
         }
-        // Rounding may have made it horizontal, which has an order of its own.
-        self.edges.push(if y0 == y1 && x0 > x1 {
-            Edge { x0: x1, y0, x1: x0, y1, winding: -winding }
-        } else {
-            Edge { x0, y0, x1, y1, winding }
-        });
     }
 
     /// The pixels that edges lie in.
@@ -140,6 +191,8 @@ impl EdgeList {
         let mut banded = BandedEdges::sort(&self.edges, bands);
         banded.bounds = self.bounds();
         self.edges.clear();
+        let origin = Corner::new(Point::ZERO);
+        (self.start, self.last) = (origin, origin);
         banded
     }
 }

@@ -21,7 +21,6 @@ const AREA_SHARE: f64 = 0.05;
 #[derive(Default)]
 pub(crate) struct Flattener {
     stroker: PathStroker,
-    vertices: Vec<Point>,
 }
 
 impl Flattener {
@@ -61,15 +60,13 @@ impl Flattener {
         for element in path {
             match element {
                 PathEl::MoveTo(p) => {
-                    edges.line(last, start);
-                    edges.end();
                     start = transform * p;
                     last = start;
+                    edges.move_to(start);
                 }
                 PathEl::LineTo(p) => {
-                    let p = transform * p;
-                    edges.line(last, p);
-                    last = p;
+                    last = transform * p;
+                    edges.line_to(last);
                 }
                 PathEl::QuadTo(p1, p2) => {
                     let (p1, p2) = (transform * p1, transform * p2);
@@ -82,63 +79,63 @@ impl Flattener {
                     last = p3;
                 }
                 PathEl::ClosePath => {
-                    edges.line(last, start);
+                    edges.close();
                     last = start;
                 }
             }
         }
-        edges.line(last, start);
-        edges.end();
+        edges.close();
     }
 
     /// The chords of one curve, whose control polygon is `hull`.
     fn curve(&mut self, curve: Curve, hull: &[Point], tolerance: f64, edges: &mut impl Lines) {
-        let (first, last) = (hull[0], hull[hull.len() - 1]);
+        let last = hull[hull.len() - 1];
         if edges.sees_no_curve(hull) {
-            edges.line(first, last);
+            edges.line_to(last);
             return;
         }
         // Always flattened from the same end, so that neighbours get the same vertices.
         let reversed = hull.iter().map(|p| (p.y, p.x)).gt(hull.iter().rev().map(|p| (p.y, p.x)));
         let curve = if reversed { Curve::from_hull(hull.iter().rev().copied()) } else { curve };
-        let (start, end) = if reversed { (last, first) } else { (first, last) };
         let chords = curve.chords(tolerance);
-        self.vertices.clear();
-        self.vertices.push(start);
         let h = 1.0 / chords;
         let chords = chords as usize;
         for i in 1..chords {
+            let i = if reversed { chords - i } else { i };
             // The slivers beside the ends have no second vertex to share them.
             let ends = usize::from(i == 1) + usize::from(i + 1 == chords);
             let share = 1.0 + 0.5 * ends as f64;
-            self.vertices.push(curve.outer_point(i as f64 * h, share * h * h / 12.0));
+            edges.line_to(curve.outer_point(i as f64 * h, share * h * h / 12.0));
         }
-        self.vertices.push(end);
-        if reversed {
-            self.vertices.reverse();
-        }
-        for pair in self.vertices.windows(2) {
-            edges.line(pair[0], pair[1]);
-        }
+        edges.line_to(last);
     }
 }
 
-/// Where polygons go, line by line.
+/// Where polygons go, line by line, in pixels.
 trait Lines {
-    /// Adds a line, in pixels.
-    fn line(&mut self, from: Point, to: Point);
-    /// The polygon is complete.
-    fn end(&mut self);
+    /// Begins a polygon; the one before is closed.
+    fn move_to(&mut self, p: Point);
+    /// Adds a line.
+    fn line_to(&mut self, p: Point);
+    /// Adds the line back to the polygon's beginning.
+    fn close(&mut self);
     /// Is a curve in this hull as good as the line between its ends?
     fn sees_no_curve(&self, hull: &[Point]) -> bool;
 }
 
 impl Lines for EdgeList {
-    fn line(&mut self, from: Point, to: Point) {
-        EdgeList::line(self, from, to);
+    fn move_to(&mut self, p: Point) {
+        EdgeList::move_to(self, p);
     }
 
-    fn end(&mut self) {}
+    #[inline]
+    fn line_to(&mut self, p: Point) {
+        EdgeList::line_to(self, p);
+    }
+
+    fn close(&mut self) {
+        EdgeList::close(self);
+    }
 
     fn sees_no_curve(&self, hull: &[Point]) -> bool {
         EdgeList::sees_no_curve(self, hull)
@@ -157,7 +154,7 @@ impl Lines for EdgeList {
 /// ```
 struct LoopCutter<'a> {
     edges: &'a mut EdgeList,
-    /// The last points of the polygon, whose lines are not handed on yet.
+    /// The last points of the polygon; the first of them is handed on already.
     points: Vec<Point>,
     /// 1 when loops inside the outline turn clockwise, -1 when they turn the other way.
     inner: f64,
@@ -187,23 +184,27 @@ impl<'a> LoopCutter<'a> {
 }
 
 impl Lines for LoopCutter<'_> {
-    fn line(&mut self, from: Point, to: Point) {
-        if self.points.is_empty() {
-            self.points.push(from);
-        }
-        self.points.push(to);
+    fn move_to(&mut self, p: Point) {
+        self.close();
+        self.edges.move_to(p);
+        self.points.push(p);
+    }
+
+    fn line_to(&mut self, p: Point) {
+        self.points.push(p);
         if let Some(x) = self.crossing() {
             self.points.splice(1..4, [x]);
         } else if self.points.len() == 5 {
-            self.edges.line(self.points[0], self.points[1]);
+            self.edges.line_to(self.points[1]);
             self.points.remove(0);
         }
     }
 
-    fn end(&mut self) {
-        for pair in self.points.windows(2) {
-            self.edges.line(pair[0], pair[1]);
+    fn close(&mut self) {
+        for &p in self.points.iter().skip(1) {
+            self.edges.line_to(p);
         }
+        self.edges.close();
         self.points.clear();
     }
 

@@ -127,8 +127,15 @@ impl Buckets {
     #[inline]
     fn add_strip(&mut self, row: usize, strip: Strip, finished: &Bitmap, pieces: &mut Vec<Piece>) {
         let (first, last) = (strip.x0 >> FRACTION_BITS, strip.x1 >> FRACTION_BITS);
-        let finished = finished.row(row);
-        let mut target = Row { buckets: self, row, finished, pieces, winding: strip.winding };
+        let mut target = Row {
+            width: self.width as i32,
+            cells: &mut self.cells[row * self.width..][..self.width],
+            touched: self.touched.row_mut(row),
+            left: &mut self.left[row],
+            finished: finished.row(row),
+            pieces,
+            winding: strip.winding,
+        };
         if first == last {
             let left = first << FRACTION_BITS;
             let line = [strip.x0 - left, strip.y0, strip.x1 - left, strip.y1];
@@ -191,8 +198,10 @@ impl SlopeX {
 
 /// Where the pieces of one strip go.
 struct Row<'a> {
-    buckets: &'a mut Buckets,
-    row: usize,
+    width: i32,
+    cells: &'a mut [Cell],
+    touched: &'a mut [u64],
+    left: &'a mut i32,
     finished: &'a [u64],
     pieces: &'a mut Vec<Piece>,
     winding: i32,
@@ -201,7 +210,7 @@ struct Row<'a> {
 impl Row<'_> {
     /// From pixel `first` to pixel `last`, which lies right of it.
     fn rightwards(&mut self, strip: Strip, first: i32, last: i32) {
-        let width = self.buckets.width as i32;
+        let width = self.width;
         let slope = strip.slope();
         let mut y = strip.y0;
         let mut x = strip.x0 - (first << FRACTION_BITS);
@@ -230,7 +239,7 @@ impl Row<'_> {
 
     /// From pixel `first` to pixel `last`, which lies left of it.
     fn leftwards(&mut self, strip: Strip, first: i32, last: i32) {
-        let width = self.buckets.width as i32;
+        let width = self.width;
         let slope = strip.slope();
         let mut y = strip.y0;
         let mut x = strip.x0 - (first << FRACTION_BITS);
@@ -263,19 +272,17 @@ impl Row<'_> {
     /// Files a piece: its ends from the pixel's top left corner, and where it crosses the left border.
     #[inline]
     fn put(&mut self, pixel: i32, [x0, y0, x1, y1]: [i32; 4], crosses_left: CrossesLeft) {
-        let buckets = &mut *self.buckets;
         let cover = (y1 - y0) * self.winding;
         if pixel < 0 {
-            buckets.left[self.row] += cover;
+            *self.left += cover;
             return;
         }
         let pixel = pixel as usize;
-        if pixel >= buckets.width {
+        let Some(cell) = self.cells.get_mut(pixel) else {
             return;
-        }
+        };
         let (word, bit) = (pixel / 64, 1 << (pixel % 64));
-        buckets.touched.row_mut(self.row)[word] |= bit;
-        let cell = &mut buckets.cells[self.row * buckets.width + pixel];
+        self.touched[word] |= bit;
         cell.cover += cover;
         if self.finished[word] & bit != 0 {
             return;
