@@ -7,7 +7,6 @@ use crate::scene::{FillRule, Geometry, Outline, Scene};
 use crate::Viewport;
 use kurbo::{Affine, Rect};
 use std::sync::OnceLock;
-use usvg::tiny_skia_path::LineJoin;
 
 /// A shape or clip member at the picture's scale.
 pub(crate) struct PlacedOutline<'a> {
@@ -53,10 +52,9 @@ fn bounds(geometry: &Geometry, viewport: &Viewport) -> Option<Bounds> {
     let reach = match &geometry.outline {
         Outline::Fill(_) => 0.0,
         Outline::Stroke(stroke) => {
-            let is_miter = matches!(stroke.line_join, LineJoin::Miter | LineJoin::MiterClip);
-            let miter = if is_miter { stroke.miter_limit.max(1.0) } else { 1.0 };
+            let miter = if stroke.join == kurbo::Join::Miter { stroke.miter_limit.max(1.0) } else { 1.0 };
             // A square cap reaches to the corner of a square.
-            0.5 * f64::from(stroke.width) * f64::from(miter).max(std::f64::consts::SQRT_2) * largest_scale(transform)
+            0.5 * stroke.width * miter.max(std::f64::consts::SQRT_2) * largest_scale(transform)
         }
     };
     let placed = transform.transform_rect_bbox(own).inflate(reach + 1.0, reach + 1.0);

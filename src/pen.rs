@@ -1,43 +1,85 @@
-//! Takes a stroke, makes the outline that it fills, by tiny-skia's stroker.
+//! Takes a path and a pen, makes the outline of the line that it draws, by kurbo's stroker.
 //!
-//! The stroker errs by a quarter of a unit whatever the unit is, so it is given the path at a size
-//! where that is nothing; sizes are powers of two, which leave every digit as it was.
+//! The stroker leaves out lines and dashes that have no length, of which SVG draws the round and
+//! square caps; they are given one too short to be seen.
 
-use usvg::tiny_skia_path::{Path, PathStroker, Stroke, StrokeDash, Transform};
+use kurbo::{BezPath, Cap, PathEl, Point, Stroke, StrokeCtx, Vec2};
 
-/// The stroker's own error, in the units of what it is given.
-const STROKER_ERROR: f64 = 0.25;
+/// The length of a line without one, as a share of the pen's width.
+const NO_LENGTH: f64 = 1e-6;
 
-/// Paths are not made larger than this many units, nor strokes: floats keep 24 binary digits.
-const LARGEST: f32 = 1e9;
+/// More dashes than this are drawn as one line.
+const MOST_DASHES: f64 = 1_000_000.0;
 
-/// An outline, and the factor by which it is too large.
-pub(crate) struct Outline {
-    pub path: Path,
-    pub size: f32,
+/// Draws the outline within `tolerance` of the true one, in the path's units. It may lie over itself,
+/// and is to be filled non-zero.
+pub(crate) fn outline<'a>(
+    context: &'a mut StrokeCtx,
+    path: impl Iterator<Item = PathEl>,
+    pen: &Stroke,
+    tolerance: f64,
+) -> impl Iterator<Item = PathEl> + 'a {
+    let has_dots = pen.start_cap != Cap::Butt;
+    let path = if has_dots { with_dots(path, NO_LENGTH * pen.width) } else { path.collect() };
+    let mut pen = pen.clone();
+    if has_dots {
+        pen.dash_pattern.iter_mut().for_each(|dash| *dash = dash.max(NO_LENGTH * pen.width));
+    }
+    let period: f64 = pen.dash_pattern.iter().sum();
+    let dashes = length(&path) * pen.dash_pattern.len() as f64 / period;
+    // A period that is nothing, or not a number, would not end either.
+    if !pen.dash_pattern.is_empty() && (dashes.is_nan() || dashes > MOST_DASHES) {
+        pen.dash_pattern.clear();
+    }
+    kurbo::stroke_with(&path, &pen, &Default::default(), tolerance, context);
+    context.output().iter()
 }
 
-/// Draws the outline of a stroke within `tolerance` of the true one, in the path's units. `None` of a
-/// stroke that covers nothing.
-pub(crate) fn outline(stroker: &mut PathStroker, path: &Path, style: &Stroke, tolerance: f64) -> Option<Outline> {
-    let b = path.bounds();
-    let extent = [b.left(), b.top(), b.right(), b.bottom(), style.width].into_iter().fold(1e-9, |a: f32, v| a.max(v.abs()));
-    let wanted = (STROKER_ERROR / tolerance) as f32;
-    let size = power_of_two_above(wanted.min(LARGEST / extent));
-    let scaled = path.clone().transform(Transform::from_scale(size, size))?;
-    let mut style = style.clone();
-    style.width *= size;
-    let dashed = style.dash.take().and_then(|dash| dashes(path, &dash, size));
-    let path = stroker.stroke(dashed.as_ref().unwrap_or(&scaled), &style, 1.0)?;
-    Some(Outline { path, size })
+/// The path, with sub-paths that go nowhere going a little to the right.
+fn with_dots(path: impl Iterator<Item = PathEl>, step: f64) -> BezPath {
+    let mut dotted = BezPath::new();
+    let mut start = Point::ZERO;
+    // Has the sub-path drawn anything yet, and has it left its start?
+    let (mut drawn, mut left) = (false, false);
+    for element in path.chain([PathEl::MoveTo(Point::ZERO)]) {
+        let ends = matches!(element, PathEl::MoveTo(_) | PathEl::ClosePath);
+        drawn |= !matches!(element, PathEl::MoveTo(_));
+        left |= !ends && control_points(&element).any(|p| p != start);
+        let is_dot = ends && drawn && !left;
+        if is_dot {
+            dotted.line_to(start + Vec2::new(step, 0.0));
+        }
+        if let PathEl::MoveTo(p) = element {
+            start = p;
+        }
+        if ends {
+            (drawn, left) = (false, false);
+        }
+        // Closing a dot would draw a join where there are nothing but caps.
+        if !(is_dot && element == PathEl::ClosePath) {
+            dotted.push(element);
+        }
+    }
+    dotted.pop();
+    dotted
 }
 
-/// The dashes of a path, `size` times as large. A path of a million dashes or more stays whole: `None`.
-fn dashes(path: &Path, dash: &StrokeDash, size: f32) -> Option<Path> {
-    path.dash(dash, size)?.transform(Transform::from_scale(size, size))
+fn control_points(element: &PathEl) -> impl Iterator<Item = Point> {
+    let (points, count) = match *element {
+        PathEl::MoveTo(p) | PathEl::LineTo(p) => ([p; 3], 1),
+        PathEl::QuadTo(p1, p2) => ([p1, p2, p2], 2),
+        PathEl::CurveTo(p1, p2, p3) => ([p1, p2, p3], 3),
+        PathEl::ClosePath => ([Point::ZERO; 3], 0),
+    };
+    points.into_iter().take(count)
 }
 
-fn power_of_two_above(v: f32) -> f32 {
-    let exponent = (v.max(1.0).to_bits() >> 23) as i32 - 127 + 1;
-    2f32.powi(exponent)
+/// Length of the control polygon: never less than the path's own.
+fn length(path: &BezPath) -> f64 {
+    let hull = |segment: kurbo::PathSeg| match segment {
+        kurbo::PathSeg::Line(l) => (l.p1 - l.p0).hypot(),
+        kurbo::PathSeg::Quad(q) => (q.p1 - q.p0).hypot() + (q.p2 - q.p1).hypot(),
+        kurbo::PathSeg::Cubic(c) => (c.p1 - c.p0).hypot() + (c.p2 - c.p1).hypot() + (c.p3 - c.p2).hypot(),
+    };
+    path.segments().map(hull).sum()
 }

@@ -9,7 +9,7 @@ use crate::edges::EdgeList;
 use crate::pen;
 use crate::scene::{Geometry, Outline};
 use kurbo::{Affine, PathEl, Point, Vec2};
-use usvg::tiny_skia_path::{PathSegment, PathStroker};
+use usvg::tiny_skia_path::PathSegment;
 
 /// A curve becomes at most this many chords, however large it is.
 const MOST_CHORDS: f64 = 16384.0;
@@ -20,7 +20,7 @@ const AREA_SHARE: f64 = 0.05;
 /// Flattens shapes; keeps its buffers from one to the next.
 #[derive(Default)]
 pub(crate) struct Flattener {
-    stroker: PathStroker,
+    stroke: kurbo::StrokeCtx,
 }
 
 impl Flattener {
@@ -29,7 +29,7 @@ impl Flattener {
         let transform = to_pixels * geometry.transform;
         match &geometry.outline {
             Outline::Fill(_) => {
-                self.polygons(elements(&geometry.path), transform, tolerance, edges);
+                polygons(elements(&geometry.path), transform, tolerance, edges);
             }
             Outline::Stroke(style) => {
                 let scale = largest_scale(transform);
@@ -37,78 +37,76 @@ impl Flattener {
                     return;
                 }
                 let fine = AREA_SHARE * tolerance / scale;
-                if let Some(outline) = pen::outline(&mut self.stroker, &geometry.path, style, fine) {
-                    let own = transform * Affine::scale(1.0 / f64::from(outline.size));
-                    let inner = if transform.determinant() < 0.0 { -1.0 } else { 1.0 };
-                    let mut lines = LoopCutter::new(edges, inner);
-                    self.polygons(elements(&outline.path), own, tolerance, &mut lines);
-                }
+                let mut context = std::mem::take(&mut self.stroke);
+                let outline = pen::outline(&mut context, elements(&geometry.path), style, fine);
+                let inner = if transform.determinant() < 0.0 { -1.0 } else { 1.0 };
+                polygons(outline, transform, tolerance, &mut LoopCutter::new(edges, inner));
+                self.stroke = context;
             }
         }
     }
+}
 
-    /// Flattens sub-paths; each is closed, as filling asks.
-    fn polygons(
-        &mut self,
-        path: impl Iterator<Item = PathEl>,
-        transform: Affine,
-        tolerance: f64,
-        edges: &mut impl Lines,
-    ) {
-        let mut start = Point::ZERO;
-        let mut last = Point::ZERO;
-        for element in path {
-            match element {
-                PathEl::MoveTo(p) => {
-                    start = transform * p;
-                    last = start;
-                    edges.move_to(start);
-                }
-                PathEl::LineTo(p) => {
-                    last = transform * p;
-                    edges.line_to(last);
-                }
-                PathEl::QuadTo(p1, p2) => {
-                    let (p1, p2) = (transform * p1, transform * p2);
-                    self.curve(Curve::quadratic(last, p1, p2), &[last, p1, p2], tolerance, edges);
-                    last = p2;
-                }
-                PathEl::CurveTo(p1, p2, p3) => {
-                    let (p1, p2, p3) = (transform * p1, transform * p2, transform * p3);
-                    self.curve(Curve::cubic(last, p1, p2, p3), &[last, p1, p2, p3], tolerance, edges);
-                    last = p3;
-                }
-                PathEl::ClosePath => {
-                    edges.close();
-                    last = start;
-                }
+/// Flattens sub-paths; each is closed, as filling asks.
+fn polygons(
+    path: impl Iterator<Item = PathEl>,
+    transform: Affine,
+    tolerance: f64,
+    edges: &mut impl Lines,
+) {
+    let mut start = Point::ZERO;
+    let mut last = Point::ZERO;
+    for element in path {
+        match element {
+            PathEl::MoveTo(p) => {
+                start = transform * p;
+                last = start;
+                edges.move_to(start);
+            }
+            PathEl::LineTo(p) => {
+                last = transform * p;
+                edges.line_to(last);
+            }
+            PathEl::QuadTo(p1, p2) => {
+                let (p1, p2) = (transform * p1, transform * p2);
+                chords(Curve::quadratic(last, p1, p2), &[last, p1, p2], tolerance, edges);
+                last = p2;
+            }
+            PathEl::CurveTo(p1, p2, p3) => {
+                let (p1, p2, p3) = (transform * p1, transform * p2, transform * p3);
+                chords(Curve::cubic(last, p1, p2, p3), &[last, p1, p2, p3], tolerance, edges);
+                last = p3;
+            }
+            PathEl::ClosePath => {
+                edges.close();
+                last = start;
             }
         }
-        edges.close();
     }
+    edges.close();
+}
 
-    /// The chords of one curve, whose control polygon is `hull`.
-    fn curve(&mut self, curve: Curve, hull: &[Point], tolerance: f64, edges: &mut impl Lines) {
-        let last = hull[hull.len() - 1];
-        if edges.sees_no_curve(hull) {
-            edges.line_to(last);
-            return;
-        }
-        // Always flattened from the same end, so that neighbours get the same vertices.
-        let reversed = hull.iter().map(|p| (p.y, p.x)).gt(hull.iter().rev().map(|p| (p.y, p.x)));
-        let curve = if reversed { Curve::from_hull(hull.iter().rev().copied()) } else { curve };
-        let chords = curve.chords(tolerance);
-        let h = 1.0 / chords;
-        let chords = chords as usize;
-        for i in 1..chords {
-            let i = if reversed { chords - i } else { i };
-            // The slivers beside the ends have no second vertex to share them.
-            let ends = usize::from(i == 1) + usize::from(i + 1 == chords);
-            let share = 1.0 + 0.5 * ends as f64;
-            edges.line_to(curve.outer_point(i as f64 * h, share * h * h / 12.0));
-        }
+/// The chords of one curve, whose control polygon is `hull`.
+fn chords(curve: Curve, hull: &[Point], tolerance: f64, edges: &mut impl Lines) {
+    let last = hull[hull.len() - 1];
+    if edges.sees_no_curve(hull) {
         edges.line_to(last);
+        return;
     }
+    // Always flattened from the same end, so that neighbours get the same vertices.
+    let reversed = hull.iter().map(|p| (p.y, p.x)).gt(hull.iter().rev().map(|p| (p.y, p.x)));
+    let curve = if reversed { Curve::from_hull(hull.iter().rev().copied()) } else { curve };
+    let chords = curve.chords(tolerance);
+    let h = 1.0 / chords;
+    let chords = chords as usize;
+    for i in 1..chords {
+        let i = if reversed { chords - i } else { i };
+        // The slivers beside the ends have no second vertex to share them.
+        let ends = usize::from(i == 1) + usize::from(i + 1 == chords);
+        let share = 1.0 + 0.5 * ends as f64;
+        edges.line_to(curve.outer_point(i as f64 * h, share * h * h / 12.0));
+    }
+    edges.line_to(last);
 }
 
 /// Where polygons go, line by line, in pixels.

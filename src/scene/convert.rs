@@ -137,6 +137,9 @@ impl Walk {
         });
         let stroke = path.stroke().and_then(|stroke| {
             let paint = self.paint(stroke.paint(), stroke.opacity().get(), place.transform, path.id())?;
+            if stroke.linejoin() == usvg::LineJoin::MiterClip {
+                self.warn("clipped miter joins", path.id());
+            }
             Some(Shape { geometry: geometry(stroke_outline(stroke)), paint, clip: place.clip, group: place.group })
         });
         match path.paint_order() {
@@ -225,7 +228,24 @@ fn fill_outline(fill: &usvg::Fill) -> Outline {
 }
 
 fn stroke_outline(stroke: &usvg::Stroke) -> Outline {
-    Outline::Stroke(Box::new(stroke.to_tiny_skia()))
+    let join = match stroke.linejoin() {
+        usvg::LineJoin::Miter | usvg::LineJoin::MiterClip => kurbo::Join::Miter,
+        usvg::LineJoin::Round => kurbo::Join::Round,
+        usvg::LineJoin::Bevel => kurbo::Join::Bevel,
+    };
+    let cap = match stroke.linecap() {
+        usvg::LineCap::Butt => kurbo::Cap::Butt,
+        usvg::LineCap::Round => kurbo::Cap::Round,
+        usvg::LineCap::Square => kurbo::Cap::Square,
+    };
+    let pen = kurbo::Stroke::new(stroke.width().get().into())
+        .with_join(join)
+        .with_caps(cap)
+        .with_miter_limit(stroke.miterlimit().get().into());
+    Outline::Stroke(Box::new(match stroke.dasharray() {
+        Some(dashes) => pen.with_dashes(stroke.dashoffset().into(), dashes.iter().map(|&d| f64::from(d))),
+        None => pen,
+    }))
 }
 
 fn gradient(base: &usvg::BaseGradient, shape: GradientShape, opacity: f32, transform: Affine) -> Option<Paint> {

@@ -14,7 +14,7 @@ use crate::Error;
 use kurbo::{Affine, Rect, Size};
 use paint::Paint;
 use std::sync::Arc;
-use usvg::tiny_skia_path::{self, Path};
+use usvg::tiny_skia_path::Path;
 
 /// How SVG bytes are read.
 #[derive(Default)]
@@ -82,7 +82,7 @@ pub(crate) enum Outline {
     /// The inside, by this rule.
     Fill(FillRule),
     /// The line along it; widths and dashes in the path's coordinates.
-    Stroke(Box<tiny_skia_path::Stroke>),
+    Stroke(Box<kurbo::Stroke>),
 }
 
 /// Which winding numbers are inside (SVG 2, 13.3.1).
