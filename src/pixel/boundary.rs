@@ -7,7 +7,7 @@
 //! takes it from the set on its left. Pieces that two fragments share are both crossed at once.
 //! Borders that do meet are cut there first; with many cuts Catmull's recursion is cheaper.
 
-use super::cuts::Cuts;
+use super::cuts::{Cuts, MOST_ROUNDS};
 use super::fragment::{PieceSteps, PIXEL_AREA};
 use super::split::MOST_LEAVES;
 use crate::edges::ONE;
@@ -79,11 +79,9 @@ impl Boundary {
         if self.corner.len() > MOST_LEAVES || self.chords.len() > MOST_PIECES {
             return None;
         }
-        self.find_cuts();
-        if self.cuts.len() > MOST_CUTS {
+        if !self.part_borders() {
             return None;
         }
-        self.cut();
         self.regions.clear();
         self.sum_left_border();
         self.sum_pieces();
@@ -91,19 +89,30 @@ impl Boundary {
         Some(&self.regions)
     }
 
-    fn find_cuts(&mut self) {
+    /// Cuts pieces until none meets another; `false` when there would be too many cuts.
+    fn part_borders(&mut self) -> bool {
+        for round in 0..MOST_ROUNDS {
+            self.find_cuts(round > 0);
+            match self.cuts.len() {
+                0 => return true,
+                1..=MOST_CUTS => self.cut(),
+                _ => return false,
+            }
+        }
+        false
+    }
+
+    /// Where pieces meet. Those of one fragment do not until they are `cut`.
+    fn find_cuts(&mut self, cut: bool) {
         self.cuts.clear();
         for (i, a) in self.chords.iter().enumerate() {
-            let earlier = self.chords[..i].iter().take_while(|b| b.leaf != a.leaf);
+            let earlier = self.chords[..i].iter().take_while(|b| cut || b.leaf != a.leaf);
             earlier.enumerate().for_each(|(j, b)| self.cuts.meet((i, a.ends()), (j, b.ends())));
         }
     }
 
-    /// Replaces pieces that are cut by their parts.
+    /// Replaces pieces by their parts between the cuts.
     fn cut(&mut self) {
-        if self.cuts.len() == 0 {
-            return;
-        }
         self.parts.clear();
         let mut cuts = self.cuts.sorted();
         for (i, chord) in self.chords.iter().enumerate() {

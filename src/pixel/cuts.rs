@@ -1,6 +1,12 @@
 //! Takes pieces that meet, makes the parts between their meeting points, all on the fixed-point grid.
+//!
+//! Rounding a meeting point may make a part meet another piece, so one cuts until nothing meets any
+//! more: what is summed along parts counts on that, and a careless rest would cost whole pixels.
 
 use super::fragment::{interiors_meet, side};
+
+/// Rounds of cutting after which one gives up.
+pub(crate) const MOST_ROUNDS: usize = 5;
 
 /// Where pieces are cut.
 #[derive(Default)]
@@ -23,7 +29,13 @@ impl Cuts {
     #[inline]
     pub fn meet(&mut self, (i, a): (usize, [i32; 4]), (j, b): (usize, [i32; 4])) {
         if interiors_meet(a, b) {
-            self.cut((i as u32, a), (j as u32, b));
+            // In one order, so that the same two lines give the same point, whoever they belong to.
+            let (one, other) = ((i as u32, a), (j as u32, b));
+            if a <= b {
+                self.cut(one, other);
+            } else {
+                self.cut(other, one);
+            }
         }
     }
 

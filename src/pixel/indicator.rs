@@ -4,7 +4,7 @@
 //! have the inside on one side. From there on the fragment is 1 inside and 0 outside, its own border
 //! does not cross itself, and no later stage needs its fill rule.
 
-use super::cuts::Cuts;
+use super::cuts::{Cuts, MOST_ROUNDS};
 use super::fragment::{PieceSet, Segment};
 use crate::edges::ONE;
 use crate::scene::FillRule;
@@ -21,6 +21,7 @@ const MOST_CUTS: usize = 256;
 pub(crate) struct Cleaner {
     cuts: Cuts,
     parts: PieceSet,
+    uncut: Vec<Segment>,
 }
 
 /// A clean fragment: the last of its pieces, what the edges left of it cover, and its area.
@@ -36,16 +37,21 @@ impl Cleaner {
         if set.pieces.len() > MOST_PIECES {
             return None;
         }
-        self.find_cuts(&set.pieces);
-        if self.cuts.len() > MOST_CUTS {
-            return None;
+        self.parts.clone_from(set);
+        for _ in 0..MOST_ROUNDS {
+            self.find_cuts();
+            match self.cuts.len() {
+                0 => return Some(self.keep_borders(rule, pieces)),
+                1..=MOST_CUTS => self.cut(),
+                _ => return None,
+            }
         }
-        self.cut(set);
-        Some(self.keep_borders(rule, pieces))
+        None
     }
 
-    fn find_cuts(&mut self, all: &[Segment]) {
+    fn find_cuts(&mut self) {
         self.cuts.clear();
+        let all = &self.parts.pieces[..];
         for (i, a) in all.iter().enumerate() {
             // They are sorted by their upper ends.
             for (j, b) in all.iter().enumerate().skip(i + 1).take_while(|(_, b)| b.y0 <= a.y1) {
@@ -57,13 +63,12 @@ impl Cleaner {
         }
     }
 
-    /// Makes `parts` the pieces between the cuts.
-    fn cut(&mut self, set: &PieceSet) {
-        self.parts.base = set.base;
-        self.parts.steps.clone_from(&set.steps);
-        self.parts.pieces.clear();
+    /// Replaces the pieces by their parts between the cuts.
+    fn cut(&mut self) {
+        self.uncut.clear();
+        std::mem::swap(&mut self.uncut, &mut self.parts.pieces);
         let mut cuts = self.cuts.sorted();
-        for (i, piece) in set.pieces.iter().enumerate() {
+        for (i, piece) in self.uncut.iter().enumerate() {
             let parts = &mut self.parts.pieces;
             cuts.parts(i, piece.ends(), |from, to| parts.extend(Segment::between(from, to, piece.winding)));
         }
