@@ -51,7 +51,7 @@ impl Default for Settings {
 
 impl Settings {
     /// Keeps every pixel within one 8-bit level of the true curve's area.
-    pub const DEFAULT_TOLERANCE: f64 = 0.02;
+    pub const DEFAULT_TOLERANCE: f64 = 0.01;
 }
 
 /// The part of the plane that the picture shows.
