@@ -139,7 +139,7 @@ impl Buckets {
         if first == last {
             let left = first << FRACTION_BITS;
             let line = [strip.x0 - left, strip.y0, strip.x1 - left, strip.y1];
-            target.put(first, line, CrossesLeft::No);
+            target.put_leftwards(first, line, CrossesLeft::No);
         } else if first < last {
             target.rightwards(strip, first, last);
         } else {
@@ -263,10 +263,26 @@ impl Row<'_> {
                 return;
             }
             let next_y = strip.y_at(slope, pixel << FRACTION_BITS);
-            self.put(pixel, [x, y, 0, next_y], CrossesLeft::AtEnd);
+            self.put_leftwards(pixel, [x, y, 0, next_y], CrossesLeft::AtEnd);
             (pixel, x, y) = (pixel - 1, ONE, next_y);
         }
-        self.put(last, [x, y, strip.x1 - (last << FRACTION_BITS), strip.y1], CrossesLeft::No);
+        self.put_leftwards(last, [x, y, strip.x1 - (last << FRACTION_BITS), strip.y1], CrossesLeft::No);
+    }
+
+    /// As [`Row::put`], for a piece that runs to the left: where rounding has made it horizontal it is
+    /// turned round.
+    #[inline]
+    fn put_leftwards(&mut self, pixel: i32, [x0, y0, x1, y1]: [i32; 4], crosses_left: CrossesLeft) {
+        if y0 != y1 || x0 <= x1 {
+            return self.put(pixel, [x0, y0, x1, y1], crosses_left);
+        }
+        let crosses_left = match crosses_left {
+            CrossesLeft::AtEnd => CrossesLeft::AtStart,
+            other => other,
+        };
+        self.winding = -self.winding;
+        self.put(pixel, [x1, y0, x0, y1], crosses_left);
+        self.winding = -self.winding;
     }
 
     /// Files a piece: its ends from the pixel's top left corner, and where it crosses the left border.
