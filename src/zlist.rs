@@ -116,14 +116,14 @@ impl ZLists<'_> {
     pub fn read(&self, head: Head, resolver: &mut Resolver) {
         resolver.clear();
         if head.front != Sheet::CLEAR {
-            resolver.push_sheet(head.front, None, self.nodes);
+            resolver.push_sheet(head.front, None, self);
         }
         let mut next = head.first;
         while let Some(entry) = self.entries.get(next as usize) {
             let node = (entry.node != WHOLE).then_some(entry.node);
             match entry.kind {
-                Kind::Sheet(sheet) => resolver.push_sheet(sheet, node, self.nodes),
-                Kind::Gradient(shape) => resolver.push_gradient(shape, node, self.nodes),
+                Kind::Sheet(sheet) => resolver.push_sheet(sheet, node, self),
+                Kind::Gradient(shape) => resolver.push_gradient(shape, node, self),
                 Kind::GroupStart(opacity) => resolver.start_group(opacity),
                 Kind::GroupEnd => resolver.end_group(),
             }
@@ -155,6 +155,11 @@ impl Borders {
             }
             next = piece.next;
         }
+    }
+
+    /// The sum of all lines added: the same for the same border, whichever way round it was drawn.
+    pub fn identity(&self) -> Option<u64> {
+        (!self.unknown).then_some(self.sum)
     }
 
     /// Has each line been added as often one way as the other?

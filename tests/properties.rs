@@ -419,7 +419,7 @@ fn shapes_behind_an_opaque_backdrop_change_no_byte() {
 
 /// A triangulation of more than the picture: a jittered grid whose cells are cut along either diagonal.
 fn triangulation(rng: &mut Rng, pitch: f64) -> Vec<Vec<Point>> {
-    let count = (f64::from(SIDE) / pitch) as usize + 3;
+    let count = (f64::from(SIDE) / pitch) as usize + 4;
     let mut grid = vec![vec![[0.0; 2]; count]; count];
     for (j, row) in grid.iter_mut().enumerate() {
         for (i, point) in row.iter_mut().enumerate() {

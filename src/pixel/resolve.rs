@@ -10,7 +10,7 @@ use super::split::{centroid, Integrator, Known, MOST_LEAVES};
 use crate::edges::ONE;
 use crate::scene::paint::{Shader, Sheet};
 use crate::strips::Piece;
-use crate::zlist::Borders;
+use crate::zlist::{Borders, ZLists};
 
 /// Less light than this from behind cannot be seen: a thirtieth of an 8-bit level.
 pub(crate) const NEGLIGIBLE: f32 = 1.0 / 8192.0;
@@ -59,6 +59,8 @@ pub(crate) struct Resolver {
     items: Vec<Item>,
     formulas: Vec<Formula>,
     leaves: Vec<Fragment>,
+    /// What the leaves are known by: their borders' sum, and their area.
+    identities: Vec<Option<(u64, i64)>>,
     /// Formulas that several items share, by their node.
     shared: Vec<(u32, usize)>,
     has_gradient: bool,
@@ -86,17 +88,18 @@ impl Resolver {
         self.items.clear();
         self.formulas.clear();
         self.leaves.clear();
+        self.identities.clear();
         self.shared.clear();
         self.has_gradient = false;
     }
 
-    pub fn push_sheet(&mut self, sheet: Sheet, node: Option<u32>, nodes: &[Node]) {
-        let formula = node.map(|node| self.formula(node, nodes));
+    pub fn push_sheet(&mut self, sheet: Sheet, node: Option<u32>, lists: &ZLists) {
+        let formula = node.map(|node| self.formula(node, lists));
         self.items.push(Item::Sheet(sheet, formula));
     }
 
-    pub fn push_gradient(&mut self, shape: u32, node: Option<u32>, nodes: &[Node]) {
-        let formula = node.map(|node| self.formula(node, nodes));
+    pub fn push_gradient(&mut self, shape: u32, node: Option<u32>, lists: &ZLists) {
+        let formula = node.map(|node| self.formula(node, lists));
         self.items.push(Item::Gradient(shape, formula));
         self.has_gradient = true;
     }
@@ -110,20 +113,17 @@ impl Resolver {
     }
 
     /// The formula of a node; a node that several items share gives one formula.
-    fn formula(&mut self, node: u32, nodes: &[Node]) -> usize {
+    fn formula(&mut self, node: u32, lists: &ZLists) -> usize {
         // Only clips are shared.
         if self.has_clips {
             if let Some(&(_, formula)) = self.shared.iter().find(|(shared, _)| *shared == node) {
                 return formula;
             }
         }
-        let formula = match nodes[node as usize] {
-            Node::Leaf(fragment) => {
-                self.leaves.push(fragment);
-                Formula::Leaf(self.leaves.len() - 1)
-            }
-            Node::And(a, b) => Formula::And(self.formula(a, nodes), self.formula(b, nodes)),
-            Node::Or(..) => self.union(node, nodes),
+        let formula = match lists.nodes[node as usize] {
+            Node::Leaf(fragment) => Formula::Leaf(self.leaf(fragment, lists.pieces)),
+            Node::And(a, b) => Formula::And(self.formula(a, lists), self.formula(b, lists)),
+            Node::Or(..) => self.union(node, lists),
         };
         self.formulas.push(formula);
         let index = self.formulas.len() - 1;
@@ -133,21 +133,37 @@ impl Resolver {
         index
     }
 
+    /// The number of a fragment. One with the border and the area of another is the same.
+    fn leaf(&mut self, fragment: Fragment, pieces: &[Piece]) -> usize {
+        let mut borders = Borders::default();
+        borders.add(&fragment, pieces);
+        let identity = borders.identity().map(|sum| (sum, fragment.area()));
+        if identity.is_some() {
+            let near = self.identities.iter().enumerate().rev().take(MOST_LEAVES);
+            if let Some((same, _)) = near.into_iter().find(|(_, other)| **other == identity) {
+                return same;
+            }
+        }
+        self.leaves.push(fragment);
+        self.identities.push(identity);
+        self.leaves.len() - 1
+    }
+
     /// The formula of a union, whose left side may be a long chain of unions.
-    fn union(&mut self, mut node: u32, nodes: &[Node]) -> Formula {
+    fn union(&mut self, mut node: u32, lists: &ZLists) -> Formula {
         let mut members = Vec::new();
-        while let Node::Or(others, member) = nodes[node as usize] {
+        while let Node::Or(others, member) = lists.nodes[node as usize] {
             members.push(member);
             node = others;
         }
-        let mut union = self.formula(node, nodes);
+        let mut union = self.formula(node, lists);
         let last = members.remove(0);
         for &member in members.iter().rev() {
-            let member = self.formula(member, nodes);
+            let member = self.formula(member, lists);
             self.formulas.push(Formula::Or(union, member));
             union = self.formulas.len() - 1;
         }
-        Formula::Or(union, self.formula(last, nodes))
+        Formula::Or(union, self.formula(last, lists))
     }
 
     /// The mean colour of the pixel at column `x` and row `y` of the picture.
