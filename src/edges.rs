@@ -232,6 +232,12 @@ impl BandedEdges {
         if last < first {
             return BandedEdges::default();
         }
+        if first == last {
+            let inside = |e: &&Edge| range(e).0 == first && range(e).1 == first;
+            let edges: Vec<Edge> = edges.iter().filter(inside).copied().collect();
+            let starts = vec![0, edges.len() as u32];
+            return BandedEdges { first_band: first as usize, starts, edges, bounds: Bounds::default() };
+        }
         let mut starts = vec![0u32; (last - first + 2) as usize];
         for edge in edges {
             let (from, to) = range(edge);

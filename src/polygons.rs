@@ -140,15 +140,15 @@ impl Lines for EdgeList {
     }
 }
 
-/// Cuts off the loops that a stroker leaves on the inner side of each corner: lines AB, BP, PC, CD
-/// where AB and CD cross in X become AX, XD.
+/// Cuts off the loops that a stroker leaves on the inner side of each corner: where line AB and the
+/// next but one, or the one after that, cross in X, they become AX, XD.
 ///
 /// ```text
-///         C
-///    A ---X--> B       P is the corner of the path that is stroked; the loop X B P C winds as
-///         |    |       the outline does, so what it bounds lies inside twice over.
-///         | <- P
-///         D
+///         C                   C
+///    A ---X--> B         A ---X--> B      P is the corner of the path that is stroked; the loop
+///         |    |              |  .        X B P C or X B C winds as the outline does, so what it
+///         | <- P              | .         bounds lies inside twice over.
+///         D                   D
 /// ```
 struct LoopCutter<'a> {
     edges: &'a mut EdgeList,
@@ -163,11 +163,9 @@ impl<'a> LoopCutter<'a> {
         LoopCutter { edges, points: Vec::with_capacity(5), inner }
     }
 
-    /// Where the first line and the last of four cross, in a loop that lies inside.
-    fn crossing(&self) -> Option<Point> {
-        let &[a, b, p, c, d] = &self.points[..] else {
-            return None;
-        };
+    /// Where the last line crosses the one that starts at point `first`, in a loop that lies inside.
+    fn crossing(&self, first: usize) -> Option<Point> {
+        let (&[a, b], &[c, d]) = (self.points[first..].first_chunk()?, self.points.last_chunk()?);
         let (ab, cd) = (b - a, d - c);
         let turn = ab.cross(cd);
         let (t, u) = ((c - a).cross(cd) / turn, (c - a).cross(ab) / turn);
@@ -176,7 +174,8 @@ impl<'a> LoopCutter<'a> {
             return None;
         }
         let x = a + ab * t;
-        let doubled = (b - x).cross(p - x) + (p - x).cross(c - x);
+        let corners = &self.points[first + 1..self.points.len() - 1];
+        let doubled: f64 = corners.windows(2).map(|pair| (pair[0] - x).cross(pair[1] - x)).sum();
         (doubled * self.inner > 0.0).then_some(x)
     }
 }
@@ -190,9 +189,14 @@ impl Lines for LoopCutter<'_> {
 
     fn line_to(&mut self, p: Point) {
         self.points.push(p);
-        if let Some(x) = self.crossing() {
-            self.points.splice(1..4, [x]);
-        } else if self.points.len() == 5 {
+        let count = self.points.len();
+        for lines in [3, 4] {
+            if let Some((first, x)) = count.checked_sub(lines + 1).and_then(|i| Some((i, self.crossing(i)?))) {
+                self.points.splice(first + 1..count - 1, [x]);
+                return;
+            }
+        }
+        if count == 5 {
             self.edges.line_to(self.points[1]);
             self.points.remove(0);
         }

@@ -272,13 +272,14 @@ impl Renderer {
     }
 
     fn take_counts(&self) -> Vec<(&'static str, u64)> {
-        let mut sums = [0u64; 9];
+        let mut sums = [0u64; 10];
         for renderer in self.idle.lock().expect("no thread panicked").iter_mut() {
             let counts = std::mem::take(&mut renderer.resolver.counts);
             let coverer = &mut renderer.sweep.coverer;
             let all = [
                 counts.one_fragment,
                 counts.tiled,
+                counts.paired,
                 counts.along_borders,
                 counts.split,
                 counts.sampled,
@@ -292,6 +293,7 @@ impl Renderer {
         let names = [
             "pixels_one_fragment",
             "pixels_tiled",
+            "pixels_paired",
             "pixels_along_borders",
             "pixels_split",
             "pixels_sampled",

@@ -4,6 +4,7 @@
 //! items that [`crate::pixel::resolve`] works on.
 
 use crate::pixel::fragment::{Fragment, PIXEL_AREA};
+use crate::pixel::pair;
 use crate::pixel::resolve::{Counts, Mean, Node, Resolver, Surroundings};
 use crate::scene::paint::Sheet;
 use crate::strips::{Piece, NO_PIECE};
@@ -56,7 +57,9 @@ impl ZLists<'_> {
         let entry = self.entries.get(head.first as usize)?;
         let (first, sheet) = self.leaf(entry)?;
         match self.entries.get(entry.next as usize) {
-            Some(second) if second.node != WHOLE => self.tiled(entry, head.front, around, counts),
+            Some(second) if second.node != WHOLE => self
+                .tiled(entry, head.front, around, counts)
+                .or_else(|| self.pair((first, sheet), second, head.front, around, counts)),
             _ => {
                 let behind = self.sheets_behind(entry.next, around.background)?;
                 let mut mean = Mean::default();
@@ -88,6 +91,33 @@ impl ZLists<'_> {
             next = entry.next;
         }
         Some(front.over(background))
+    }
+
+    /// Two fragments with one border line each, before sheets of one colour.
+    fn pair(
+        &self,
+        (a, front): (&Fragment, Sheet),
+        second: &Entry,
+        before: Sheet,
+        around: &Surroundings,
+        counts: &mut Counts,
+    ) -> Option<Mean> {
+        let (b, back) = self.leaf(second)?;
+        let behind = self.sheets_behind(second.next, around.background)?;
+        let shared = pair::shared_area(a, b, self.pieces)?;
+        let with_back = back.over(behind);
+        let mut mean = Mean::default();
+        let mut add = |sheet: Sheet, area: i64| {
+            if area > 0 {
+                mean.add(before.over(sheet), area, around.linear);
+            }
+        };
+        add(front.over(with_back), shared);
+        add(front.over(behind), a.area() - shared);
+        add(with_back, b.area() - shared);
+        add(behind, PIXEL_AREA - a.area() - b.area() + shared);
+        counts.paired += 1;
+        Some(mean)
     }
 
     /// Opaque fragments that tile the pixel.

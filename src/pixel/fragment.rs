@@ -32,6 +32,8 @@ pub(crate) struct Fragment {
     /// In the pixel the fragment's indicator (1 inside, 0 outside) is, up to a constant, this times its
     /// winding number: 1 or -1. It is 0 when no such relation is known.
     pub sense: i8,
+    /// Is its border one line through the pixel, which does not cross itself?
+    pub is_chain: bool,
 }
 
 impl Fragment {
@@ -78,7 +80,7 @@ impl Coverer {
         let total = i64::from(cover_left) * i64::from(2 * ONE) + cell.area;
         let last = &pieces[cell.pieces as usize];
         if last.next == NO_PIECE || is_one_chain(last, pieces) {
-            return part(two_valued(total, rule), cell.pieces, cover_left, rule);
+            return part(two_valued(total, rule), cell.pieces, cover_left, rule, true);
         }
         self.cover_of_many(cell.pieces, total, cover_left, rule, pieces)
     }
@@ -93,27 +95,27 @@ impl Coverer {
     ) -> Cover {
         self.set.gather(last, cover_left, pieces);
         if self.set.is_two_valued((total >> AREA_BITS) as i32) {
-            return part(two_valued(total, rule), last, cover_left, rule);
+            return part(two_valued(total, rule), last, cover_left, rule, false);
         }
         self.cleaned += 1;
         if let Some(clean) = self.cleaner.clean(&self.set, rule, pieces) {
-            return part((clean.area.clamp(0, PIXEL_AREA), 1), clean.pieces, clean.cover_left, FillRule::NonZero);
+            return part((clean.area.clamp(0, PIXEL_AREA), 1), clean.pieces, clean.cover_left, FillRule::NonZero, false);
         }
         self.sampled += 1;
         let mut sampler = Sampler::default();
         sampler.add(&self.set, rule);
         let mut area = 0;
         sampler.sample(|bits, share, _| area += share * (bits[0] & 1) as i64);
-        part((area, 0), last, cover_left, rule)
+        part((area, 0), last, cover_left, rule, false)
     }
 }
 
 #[inline]
-fn part((area, sense): (i64, i8), pieces: u32, cover_left: i32, rule: FillRule) -> Cover {
+fn part((area, sense): (i64, i8), pieces: u32, cover_left: i32, rule: FillRule, is_chain: bool) -> Cover {
     match area {
         0 => Cover::Empty,
         PIXEL_AREA => Cover::Full,
-        _ => Cover::Part(Fragment { pieces, cover_left, rule, area: area as i32, sense }),
+        _ => Cover::Part(Fragment { pieces, cover_left, rule, area: area as i32, sense, is_chain }),
     }
 }
 

@@ -5,6 +5,7 @@
 //! | [`fragment`] | one shape's cell → its fragment, with the exact area |
 //! | [`cuts`] | pieces that meet → the parts between |
 //! | [`indicator`] | a fragment that crosses itself → the border of what its rule fills |
+//! | [`pair`] | two fragments with one border line each → visible regions |
 //! | [`boundary`] | fragments whose borders cross seldom or never → visible regions |
 //! | [`split`] | several fragments → visible regions (Catmull's integrator) |
 //! | [`sample`] | the same, bounded, where splitting would take too long |
@@ -14,6 +15,7 @@ pub(crate) mod boundary;
 pub(crate) mod cuts;
 pub(crate) mod fragment;
 pub(crate) mod indicator;
+pub(crate) mod pair;
 pub(crate) mod resolve;
 pub(crate) mod sample;
 pub(crate) mod split;

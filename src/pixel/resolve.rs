@@ -48,6 +48,7 @@ enum Item {
 pub(crate) struct Counts {
     pub one_fragment: u64,
     pub tiled: u64,
+    pub paired: u64,
     pub along_borders: u64,
     pub split: u64,
     pub sampled: u64,
