@@ -17,6 +17,10 @@ const MOST_CHORDS: f64 = 16384.0;
 /// The area that a pixel may be off by, as a share of the tolerance times a pixel's side.
 const AREA_SHARE: f64 = 0.05;
 
+/// How far a stroke's outline may be off before it is flattened, as a share of the tolerance. It errs
+/// to one side all along, and where a stroke is thin on both sides of one pixel.
+const PEN_SHARE: f64 = 0.05;
+
 /// Flattens shapes; keeps its buffers from one to the next.
 #[derive(Default)]
 pub(crate) struct Flattener {
@@ -36,7 +40,7 @@ impl Flattener {
                 if scale <= 0.0 || !scale.is_finite() {
                     return;
                 }
-                let fine = AREA_SHARE * tolerance / scale;
+                let fine = PEN_SHARE * tolerance / scale;
                 let mut context = std::mem::take(&mut self.stroke);
                 let outline = pen::outline(&mut context, elements(&geometry.path), style, fine);
                 let inner = if transform.determinant() < 0.0 { -1.0 } else { 1.0 };
@@ -188,6 +192,15 @@ impl Lines for LoopCutter<'_> {
     }
 
     fn line_to(&mut self, p: Point) {
+        // Along smooth lines there is nothing to look for.
+        if let [a, b] = self.points[..] {
+            if (b - a).dot(p - b) > 0.0 {
+                self.edges.line_to(b);
+                self.points[0] = b;
+                self.points[1] = p;
+                return;
+            }
+        }
         self.points.push(p);
         let count = self.points.len();
         for lines in [3, 4] {
@@ -197,8 +210,10 @@ impl Lines for LoopCutter<'_> {
             }
         }
         if count == 5 {
+            // After a corner the lines go on smoothly, or into the next one.
             self.edges.line_to(self.points[1]);
-            self.points.remove(0);
+            self.edges.line_to(self.points[2]);
+            self.points.drain(..2);
         }
     }
 

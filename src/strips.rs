@@ -138,8 +138,7 @@ impl Buckets {
         };
         if first == last {
             let left = first << FRACTION_BITS;
-            let line = [strip.x0 - left, strip.y0, strip.x1 - left, strip.y1];
-            target.put_leftwards(first, line, CrossesLeft::No);
+            target.put_leftwards(first, [strip.x0 - left, strip.y0, strip.x1 - left, strip.y1], CrossesLeft::No);
         } else if first < last {
             target.rightwards(strip, first, last);
         } else {
@@ -286,7 +285,7 @@ impl Row<'_> {
     }
 
     /// Files a piece: its ends from the pixel's top left corner, and where it crosses the left border.
-    #[inline]
+    #[inline(always)]
     fn put(&mut self, pixel: i32, [x0, y0, x1, y1]: [i32; 4], crosses_left: CrossesLeft) {
         let cover = (y1 - y0) * self.winding;
         if pixel < 0 {

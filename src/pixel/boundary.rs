@@ -8,7 +8,7 @@
 //! Borders that do meet are cut there first; with many cuts Catmull's recursion is cheaper.
 
 use super::cuts::{Cuts, MOST_ROUNDS};
-use super::fragment::{PieceSteps, PIXEL_AREA};
+use super::fragment::{Fragment, PieceSteps, PIXEL_AREA};
 use super::split::MOST_LEAVES;
 use crate::edges::ONE;
 use crate::scene::FillRule;
@@ -29,6 +29,9 @@ struct Chord {
     y1: i32,
     winding: i32,
     leaf: u32,
+    /// The lesser and the greater of x0 and x1.
+    left: i32,
+    right: i32,
 }
 
 /// Integrates along borders; keeps its buffers from one pixel to the next.
@@ -36,6 +39,10 @@ struct Chord {
 pub(crate) struct Boundary {
     chords: Vec<Chord>,
     cuts: Cuts,
+    /// May borders of different fragments meet in end points?
+    touching: bool,
+    /// The fragments whose borders are one line, one bit each.
+    is_chain: u64,
     parts: Vec<Chord>,
     /// (y, step of the winding number, fragment), down the left border.
     steps: Vec<(u16, i32, u32)>,
@@ -52,13 +59,15 @@ impl Boundary {
         self.chords.clear();
         self.steps.clear();
         self.corner.clear();
+        self.is_chain = 0;
     }
 
     /// Adds a fragment whose own pieces do not cross each other; its number is the count of those added before.
-    pub fn add(&mut self, last: u32, cover_left: i32, rule: FillRule, pieces: &[Piece]) {
+    pub fn add(&mut self, fragment: &Fragment, pieces: &[Piece]) {
         let leaf = self.corner.len() as u32;
-        let mut base = PieceSteps::new(cover_left);
-        let mut next = last;
+        self.is_chain |= u64::from(fragment.is_chain) << (leaf % 64);
+        let mut base = PieceSteps::new(fragment.cover_left);
+        let mut next = fragment.pieces;
         while next != NO_PIECE {
             let piece = &pieces[next as usize];
             next = piece.next;
@@ -68,10 +77,10 @@ impl Boundary {
             }
             let [x0, y0, x1, y1] = [piece.x0, piece.y0, piece.x1, piece.y1].map(i32::from);
             if (x0, y0) != (x1, y1) {
-                self.chords.push(Chord { x0, y0, x1, y1, winding, leaf });
+                self.chords.push(Chord::new([x0, y0, x1, y1], winding, leaf));
             }
         }
-        self.corner.push((base.corner(), rule));
+        self.corner.push((base.corner(), fragment.rule));
     }
 
     /// The regions: sets of fragments, one bit each, and their areas, or `None` where borders cross.
@@ -105,9 +114,17 @@ impl Boundary {
     /// Where pieces meet. Those of one fragment do not until they are `cut`.
     fn find_cuts(&mut self, cut: bool) {
         self.cuts.clear();
+        self.touching = cut;
         for (i, a) in self.chords.iter().enumerate() {
-            let earlier = self.chords[..i].iter().take_while(|b| cut || b.leaf != a.leaf);
-            earlier.enumerate().for_each(|(j, b)| self.cuts.meet((i, a.ends()), (j, b.ends())));
+            for (j, b) in self.chords[..i].iter().enumerate() {
+                if !cut && b.leaf == a.leaf {
+                    break;
+                }
+                if !a.is_apart(b) {
+                    self.touching |= a.shares_end(b);
+                    self.cuts.meet((i, a.ends()), (j, b.ends()));
+                }
+            }
         }
     }
 
@@ -137,42 +154,50 @@ impl Boundary {
     }
 
     fn sum_pieces(&mut self) {
+        let mut sides = (0, 0);
         for i in 0..self.chords.len() {
-            let Chord { x0, y0, x1, y1, .. } = self.chords[i];
-            if y0 == y1 {
-                continue;
+            let chord = self.chords[i];
+            // Along one line of a fragment that touches nothing, the sides stay what they are.
+            let known = !self.touching && i > 0 && self.is_chain >> chord.leaf & 1 != 0 && chord.continues(&self.chords[i - 1]);
+            if !known {
+                sides = self.sides(i);
             }
-            // The middle, in halves of fixed point.
-            let (x, y) = (x0 + x1, y0 + y1);
-            self.windings.clear();
-            self.windings.extend(self.corner.iter().map(|&(winding, _)| winding));
-            for &(at, step, leaf) in &self.steps {
-                self.windings[leaf as usize] += step * i32::from(2 * i32::from(at) <= y);
-            }
-            let mut first_of_twins = true;
-            for (j, c) in self.chords.iter().enumerate() {
-                if 2 * c.y0 <= y && y < 2 * c.y1 {
-                    let side = (c.x1 - c.x0) * (y - 2 * c.y0) - (x - 2 * c.x0) * (c.y1 - c.y0);
-                    self.windings[c.leaf as usize] += c.winding * i32::from(side < 0);
-                    first_of_twins &= side != 0 || j >= i;
-                }
-            }
-            if !first_of_twins {
-                continue;
-            }
-            let left = self.inside();
-            for c in &self.chords[i..] {
-                if (c.x0, c.y0, c.x1, c.y1) == (x0, y0, x1, y1) {
-                    self.windings[c.leaf as usize] += c.winding;
-                }
-            }
-            let right = self.inside();
+            let (left, right) = sides;
             if left != right {
-                let area = i64::from(y1 - y0) * i64::from(2 * ONE - x);
+                let area = i64::from(chord.y1 - chord.y0) * i64::from(2 * ONE - chord.x0 - chord.x1);
                 self.add_area(right, area);
                 self.add_area(left, -area);
             }
         }
+    }
+
+    /// The sets of fragments left and right of a piece; of a piece that several fragments share, all but
+    /// the first count as having nothing on either side.
+    fn sides(&mut self, i: usize) -> (u64, u64) {
+        let Chord { x0, y0, x1, y1, .. } = self.chords[i];
+        // The middle, in halves of fixed point; of a horizontal piece, just below it.
+        let (x, y) = (x0 + x1, y0 + y1);
+        self.windings.clear();
+        self.windings.extend(self.corner.iter().map(|&(winding, _)| winding));
+        for &(at, step, leaf) in &self.steps {
+            self.windings[leaf as usize] += step * i32::from(2 * i32::from(at) <= y);
+        }
+        for (j, c) in self.chords.iter().enumerate() {
+            if 2 * c.y0 <= y && y < 2 * c.y1 {
+                let side = (c.x1 - c.x0) * (y - 2 * c.y0) - (x - 2 * c.x0) * (c.y1 - c.y0);
+                self.windings[c.leaf as usize] += c.winding * i32::from(side < 0);
+                if side == 0 && j < i {
+                    return (0, 0);
+                }
+            }
+        }
+        let left = self.inside();
+        for c in &self.chords[i..] {
+            if (c.x0, c.y0, c.x1, c.y1) == (x0, y0, x1, y1) {
+                self.windings[c.leaf as usize] += c.winding;
+            }
+        }
+        (left, self.inside())
     }
 
     /// The fragments whose winding number is inside by their rule.
@@ -206,6 +231,33 @@ impl Boundary {
 }
 
 impl Chord {
+    fn new([x0, y0, x1, y1]: [i32; 4], winding: i32, leaf: u32) -> Chord {
+        Chord { x0, y0, x1, y1, winding, leaf, left: x0.min(x1), right: x0.max(x1) }
+    }
+
+    /// Are the rectangles around them apart?
+    #[inline]
+    fn is_apart(&self, other: &Chord) -> bool {
+        self.right < other.left || other.right < self.left || self.y1 < other.y0 || other.y1 < self.y0
+    }
+
+    /// Do they have an end point in common?
+    fn shares_end(&self, other: &Chord) -> bool {
+        let ends = |c: &Chord| [(c.x0, c.y0), (c.x1, c.y1)];
+        ends(self).into_iter().any(|end| ends(other).contains(&end))
+    }
+
+    /// Does this one go on where the other ends, upwards or downwards as it does?
+    #[inline]
+    fn continues(&self, other: &Chord) -> bool {
+        let joined = if self.winding > 0 {
+            (self.x0, self.y0) == (other.x1, other.y1) || (self.x1, self.y1) == (other.x0, other.y0)
+        } else {
+            (self.x1, self.y1) == (other.x0, other.y0) || (self.x0, self.y0) == (other.x1, other.y1)
+        };
+        joined && self.leaf == other.leaf && self.winding == other.winding
+    }
+
     fn ends(&self) -> [i32; 4] {
         [self.x0, self.y0, self.x1, self.y1]
     }
@@ -214,10 +266,8 @@ impl Chord {
     fn part(&self, (x0, y0): (i32, i32), (x1, y1): (i32, i32)) -> Option<Chord> {
         match (y0, x0).cmp(&(y1, x1)) {
             std::cmp::Ordering::Equal => None,
-            std::cmp::Ordering::Less => Some(Chord { x0, y0, x1, y1, ..*self }),
-            std::cmp::Ordering::Greater => {
-                Some(Chord { x0: x1, y0: y1, x1: x0, y1: y0, winding: -self.winding, ..*self })
-            }
+            std::cmp::Ordering::Less => Some(Chord::new([x0, y0, x1, y1], self.winding, self.leaf)),
+            std::cmp::Ordering::Greater => Some(Chord::new([x1, y1, x0, y0], -self.winding, self.leaf)),
         }
     }
 }

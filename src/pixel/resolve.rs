@@ -198,7 +198,7 @@ impl Resolver {
         let mut boundary = std::mem::take(&mut self.boundary);
         boundary.clear();
         for leaf in &self.leaves {
-            boundary.add(leaf.pieces, leaf.cover_left, leaf.rule, pieces);
+            boundary.add(leaf, pieces);
         }
         let regions = boundary.regions();
         for &(set, area) in regions.unwrap_or(&[]) {
