@@ -188,8 +188,11 @@ impl Cel {
                     }
                 }
             }
-            for (i, sheet) in sheets.iter().enumerate() {
-                saturated |= u64::from(sheet.through < NEGLIGIBLE) << (a + i);
+            let darkest = sheets.iter().fold(1.0f32, |least, sheet| least.min(sheet.through));
+            if darkest < NEGLIGIBLE {
+                for (i, sheet) in sheets.iter().enumerate() {
+                    saturated |= u64::from(sheet.through < NEGLIGIBLE) << (a + i);
+                }
             }
         });
         for_runs(listed, |a, b| {

@@ -19,3 +19,6 @@ pub(crate) mod pair;
 pub(crate) mod resolve;
 pub(crate) mod sample;
 pub(crate) mod split;
+
+#[cfg(test)]
+mod tests;

@@ -33,9 +33,12 @@ impl Sheet {
     /// This sheet in front of another (Porter & Duff's `over`).
     #[inline]
     pub fn over(self, behind: Sheet) -> Sheet {
-        let mut mixed = behind.channels().map(|channel| self.through * channel);
-        for (channel, own) in mixed.iter_mut().zip(self.color) {
-            *channel += own;
+        // One formula for all four, so that it can be one vector operation.
+        const KEPT: [f32; 4] = [1.0, 1.0, 1.0, 0.0];
+        let (front, behind) = (self.channels(), behind.channels());
+        let mut mixed = [0.0; 4];
+        for i in 0..4 {
+            mixed[i] = KEPT[i] * front[i] + self.through * behind[i];
         }
         let [r, g, b, through] = mixed;
         Sheet { color: [r, g, b], through }
