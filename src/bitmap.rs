@@ -24,6 +24,23 @@ impl Bitmap {
         self.bits.copy_from_slice(&other.bits);
     }
 
+    /// Words in a row.
+    pub fn words(&self) -> usize {
+        self.words
+    }
+
+    /// All words, row by row.
+    #[inline]
+    pub fn bits(&self) -> &[u64] {
+        &self.bits
+    }
+
+    /// All words, row by row.
+    #[inline]
+    pub fn bits_mut(&mut self) -> &mut [u64] {
+        &mut self.bits
+    }
+
     #[inline]
     pub fn row(&self, row: usize) -> &[u64] {
         &self.bits[row * self.words..(row + 1) * self.words]

@@ -98,14 +98,15 @@ impl Buckets {
     pub fn add(&mut self, edge: &Edge, top: u32, rows: usize, finished: &Bitmap, pieces: &mut Vec<Piece>) {
         let top = (top as i32) << FRACTION_BITS;
         let end = edge.y1.min(top + rows as i32 * ONE);
+        let mut filer = Filer { buckets: self, finished, pieces, winding: edge.winding, row: 0 };
         let first_row = (edge.y0 - top) >> FRACTION_BITS;
         if first_row >= 0 && edge.y1 - top <= (first_row + 1) << FRACTION_BITS {
             // It lies in one strip. On the strip's upper border it would bound nothing inside.
             let row_top = top + (first_row << FRACTION_BITS);
             let (y0, y1) = (edge.y0 - row_top, edge.y1 - row_top);
             if y1 != 0 {
-                let strip = Strip { x0: edge.x0, y0, x1: edge.x1, y1, winding: edge.winding };
-                self.add_strip(first_row as usize, strip, finished, pieces);
+                filer.row = first_row as usize;
+                filer.strip(Strip { x0: edge.x0, y0, x1: edge.x1, y1 });
             }
             return;
         }
@@ -117,32 +118,9 @@ impl Buckets {
             let row_top = top + (row << FRACTION_BITS);
             let next_y = (row_top + ONE).min(end);
             let next_x = slope.x_at(edge, next_y);
-            let strip = Strip { x0: x, y0: y - row_top, x1: next_x, y1: next_y - row_top, winding: edge.winding };
-            self.add_strip(row as usize, strip, finished, pieces);
+            filer.row = row as usize;
+            filer.strip(Strip { x0: x, y0: y - row_top, x1: next_x, y1: next_y - row_top });
             (x, y) = (next_x, next_y);
-        }
-    }
-
-    /// Clips one strip's part of an edge to pixels.
-    #[inline]
-    fn add_strip(&mut self, row: usize, strip: Strip, finished: &Bitmap, pieces: &mut Vec<Piece>) {
-        let (first, last) = (strip.x0 >> FRACTION_BITS, strip.x1 >> FRACTION_BITS);
-        let mut target = Row {
-            width: self.width as i32,
-            cells: &mut self.cells[row * self.width..][..self.width],
-            touched: self.touched.row_mut(row),
-            left: &mut self.left[row],
-            finished: finished.row(row),
-            pieces,
-            winding: strip.winding,
-        };
-        if first == last {
-            let left = first << FRACTION_BITS;
-            target.put_leftwards(first, [strip.x0 - left, strip.y0, strip.x1 - left, strip.y1], CrossesLeft::No);
-        } else if first < last {
-            target.rightwards(strip, first, last);
-        } else {
-            target.leftwards(strip, first, last);
         }
     }
 }
@@ -154,7 +132,6 @@ struct Strip {
     y0: i32,
     x1: i32,
     y1: i32,
-    winding: i32,
 }
 
 impl Strip {
@@ -195,21 +172,33 @@ impl SlopeX {
     }
 }
 
-/// Where the pieces of one strip go.
-struct Row<'a> {
-    width: i32,
-    cells: &'a mut [Cell],
-    touched: &'a mut [u64],
-    left: &'a mut i32,
-    finished: &'a [u64],
+/// Files the pieces of one edge, strip by strip.
+struct Filer<'a> {
+    buckets: &'a mut Buckets,
+    finished: &'a Bitmap,
     pieces: &'a mut Vec<Piece>,
     winding: i32,
+    row: usize,
 }
 
-impl Row<'_> {
+impl Filer<'_> {
+    /// Clips one strip's part of the edge to pixels.
+    #[inline]
+    fn strip(&mut self, strip: Strip) {
+        let (first, last) = (strip.x0 >> FRACTION_BITS, strip.x1 >> FRACTION_BITS);
+        if first == last {
+            let left = first << FRACTION_BITS;
+            self.put_leftwards(first, [strip.x0 - left, strip.y0, strip.x1 - left, strip.y1], CrossesLeft::No);
+        } else if first < last {
+            self.rightwards(strip, first, last);
+        } else {
+            self.leftwards(strip, first, last);
+        }
+    }
+
     /// From pixel `first` to pixel `last`, which lies right of it.
     fn rightwards(&mut self, strip: Strip, first: i32, last: i32) {
-        let width = self.width;
+        let width = self.buckets.width as i32;
         let slope = strip.slope();
         let mut y = strip.y0;
         let mut x = strip.x0 - (first << FRACTION_BITS);
@@ -238,7 +227,7 @@ impl Row<'_> {
 
     /// From pixel `first` to pixel `last`, which lies left of it.
     fn leftwards(&mut self, strip: Strip, first: i32, last: i32) {
-        let width = self.width;
+        let width = self.buckets.width as i32;
         let slope = strip.slope();
         let mut y = strip.y0;
         let mut x = strip.x0 - (first << FRACTION_BITS);
@@ -268,7 +257,7 @@ impl Row<'_> {
         self.put_leftwards(last, [x, y, strip.x1 - (last << FRACTION_BITS), strip.y1], CrossesLeft::No);
     }
 
-    /// As [`Row::put`], for a piece that runs to the left: where rounding has made it horizontal it is
+    /// As [`Filer::put`], for a piece that runs to the left: where rounding has made it horizontal it is
     /// turned round.
     #[inline]
     fn put_leftwards(&mut self, pixel: i32, [x0, y0, x1, y1]: [i32; 4], crosses_left: CrossesLeft) {
@@ -288,18 +277,20 @@ impl Row<'_> {
     #[inline(always)]
     fn put(&mut self, pixel: i32, [x0, y0, x1, y1]: [i32; 4], crosses_left: CrossesLeft) {
         let cover = (y1 - y0) * self.winding;
+        let buckets = &mut *self.buckets;
         if pixel < 0 {
-            *self.left += cover;
+            buckets.left[self.row] += cover;
             return;
         }
         let pixel = pixel as usize;
-        let Some(cell) = self.cells.get_mut(pixel) else {
+        if pixel >= buckets.width {
             return;
-        };
-        let (word, bit) = (pixel / 64, 1 << (pixel % 64));
-        self.touched[word] |= bit;
+        }
+        let (word, bit) = (self.row * self.finished.words() + pixel / 64, 1 << (pixel % 64));
+        buckets.touched.bits_mut()[word] |= bit;
+        let cell = &mut buckets.cells[self.row * buckets.width + pixel];
         cell.cover += cover;
-        if self.finished[word] & bit != 0 {
+        if self.finished.bits()[word] & bit != 0 {
             return;
         }
         cell.area += i64::from(cover) * i64::from(2 * ONE - x0 - x1);
