@@ -20,6 +20,7 @@ use crate::sweep::{Span, Sweep};
 use crate::zlist::{Entry, ZLists};
 use kurbo::Affine;
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 /// Clips of one band that are kept for the shapes to come.
 const MOST_CLIPS: usize = 16;
@@ -50,6 +51,8 @@ pub(crate) struct BandRenderer {
     /// The groups that are open, from the picture inwards.
     open: Vec<GroupId>,
     clips: Vec<(ClipId, Arc<ClipBand>)>,
+    /// The time of each stage, when it is taken.
+    pub laps: Option<Laps>,
     /// Shapes that were hidden before they were flattened, counted once a band.
     pub hidden: u64,
 }
@@ -68,6 +71,7 @@ impl BandRenderer {
             cels: vec![Cel::new(width)],
             open: Vec::new(),
             clips: Vec::new(),
+            laps: None,
             hidden: 0,
         }
     }
@@ -85,7 +89,20 @@ impl BandRenderer {
             self.shape(picture, band, shape, &mut rows);
         }
         self.close_groups(1, &rows);
+        self.lap(|_| None);
         self.finish(picture, rows);
+        self.lap(|laps| Some(&mut laps.resolve));
+    }
+
+    /// Adds the time since the last lap to a stage, or leaves it out.
+    fn lap(&mut self, stage: impl FnOnce(&mut Laps) -> Option<&mut Duration>) {
+        if let Some(laps) = &mut self.laps {
+            let now = Instant::now();
+            let since = laps.last.replace(now).map_or(Duration::ZERO, |last| now - last);
+            if let Some(time) = stage(laps) {
+                *time += since;
+            }
+        }
     }
 
     /// Paints one shape behind those before it.
@@ -101,11 +118,14 @@ impl BandRenderer {
         let brush = match &shape.paint {
             Paint::Flat(sheet) => Brush::flat(*sheet),
             paint @ Paint::Gradient(_) => {
-                let shader = picture.around.shaders[number as usize].as_ref().expect("gradients have shaders");
+                let shader =
+                    picture.around.shaders[number as usize].as_ref().expect("gradients have shaders");
                 Brush::Gradient { shape: number, shader, opaque: paint.is_opaque() }
             }
         };
+        self.lap(|_| None);
         let bounds = self.fill_buckets(picture, band, outline, rows);
+        self.lap(|laps| Some(&mut laps.strips));
         let depth = self.open.len() - 1;
         let (cel, entries, nodes) = (&mut self.cels[depth], &mut self.entries, &mut self.nodes);
         let top = rows.top;
@@ -122,6 +142,7 @@ impl BandRenderer {
                 });
             });
         }
+        self.lap(|laps| Some(&mut laps.sweep));
     }
 
     /// Are all pixels finished that a shape may touch here?
@@ -134,8 +155,15 @@ impl BandRenderer {
     }
 
     /// Files an outline's edges in the x-buckets, and tells where they lie.
-    fn fill_buckets(&mut self, picture: &Picture, band: usize, outline: &PlacedOutline, rows: &Rows) -> Bounds {
+    fn fill_buckets(
+        &mut self,
+        picture: &Picture,
+        band: usize,
+        outline: &PlacedOutline,
+        rows: &Rows,
+    ) -> Bounds {
         let edges = outline.edges(&mut self.flattener, &mut self.edges, picture.to_pixels, picture.tolerance);
+        self.lap(|laps| Some(&mut laps.flatten));
         let finished = &self.cels[self.open.len() - 1].finished;
         for edge in edges.band(band) {
             self.buckets.add(edge, rows.top, rows.count, finished, &mut self.pieces);
@@ -229,24 +257,50 @@ impl BandRenderer {
                     }
                 });
                 for_runs(uniform, |from, to| {
-                    for x in from..to {
-                        pixels[x] = cel.sheet(row, word * 64 + x).over(around.background).to_rgba8();
+                    for (i, pixel) in pixels[from..to].iter_mut().enumerate() {
+                        let sheet = cel.sheet(row, word * 64 + from + i);
+                        *pixel = sheet.over(around.background).to_rgba8();
                     }
                 });
                 for_runs(listed, |from, to| {
-                    for i in from..to {
-                        let x = word * 64 + i;
-                        let lists = ZLists { entries: &self.entries, nodes: &self.nodes, pieces: &self.pieces };
+                    for (i, pixel) in pixels[from..to].iter_mut().enumerate() {
+                        let x = word * 64 + from + i;
+                        let lists =
+                            ZLists { entries: &self.entries, nodes: &self.nodes, pieces: &self.pieces };
                         let mean = lists.resolve_simply(cel.list(row, x), around, &mut self.resolver.counts);
                         let mean = mean.unwrap_or_else(|| {
                             lists.read(cel.list(row, x), &mut self.resolver);
                             self.resolver.resolve(x as u32, y, &self.pieces, around)
                         });
-                        pixels[i] = mean.to_rgba8(around.linear);
+                        *pixel = mean.to_rgba8(around.linear);
                     }
                 });
             }
         }
+    }
+}
+
+/// Time spent in each stage of the bands.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Laps {
+    last: Option<Instant>,
+    flatten: Duration,
+    strips: Duration,
+    sweep: Duration,
+    resolve: Duration,
+}
+
+impl Laps {
+    pub fn add(&mut self, other: Laps) {
+        self.flatten += other.flatten;
+        self.strips += other.strips;
+        self.sweep += other.sweep;
+        self.resolve += other.resolve;
+    }
+
+    /// In the order in which they run.
+    pub fn named(&self) -> [(&'static str, Duration); 4] {
+        [("flatten", self.flatten), ("strips", self.strips), ("sweep", self.sweep), ("resolve", self.resolve)]
     }
 }
 

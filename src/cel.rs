@@ -23,7 +23,11 @@ use crate::zlist::{Entry, Head, Kind, NO_ENTRY, WHOLE};
 pub(crate) enum Brush<'a> {
     /// One colour, and the same in bytes.
     Flat(Sheet, [u8; 4]),
-    Gradient { shape: u32, shader: &'a Shader<'a>, opaque: bool },
+    Gradient {
+        shape: u32,
+        shader: &'a Shader<'a>,
+        opaque: bool,
+    },
 }
 
 impl Brush<'_> {

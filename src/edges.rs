@@ -80,14 +80,23 @@ impl EdgeList {
     /// For a picture of this many pixels.
     pub fn new(width: u32, height: u32) -> EdgeList {
         let origin = Corner::new(Point::ZERO);
-        EdgeList { edges: Vec::new(), width: width.into(), height: height.into(), start: origin, last: origin }
+        EdgeList {
+            edges: Vec::new(),
+            width: width.into(),
+            height: height.into(),
+            start: origin,
+            last: origin,
+        }
     }
 
     /// Is a curve in this hull as good as the line between its ends? So it is when it lies above,
     /// below or right of the picture, where nothing counts, or left of it, where only winding does.
     pub fn sees_no_curve(&self, hull: &[Point]) -> bool {
         let all = |outside: &dyn Fn(&Point) -> bool| hull.iter().all(outside);
-        all(&|p| p.y <= 0.0) || all(&|p| p.y >= self.height) || all(&|p| p.x >= self.width) || all(&|p| p.x <= 0.0)
+        all(&|p| p.y <= 0.0)
+            || all(&|p| p.y >= self.height)
+            || all(&|p| p.x >= self.width)
+            || all(&|p| p.x <= 0.0)
     }
 
     /// Begins a polygon; the one before is closed.
@@ -152,7 +161,13 @@ impl EdgeList {
         if top.x > bottom.x {
             cuts.reverse();
         }
-        let mut line = |from, to| if winding > 0 { self.push(fixed(from), fixed(to)) } else { self.push(fixed(to), fixed(from)) };
+        let mut line = |from, to| {
+            if winding > 0 {
+                self.push(fixed(from), fixed(to))
+            } else {
+                self.push(fixed(to), fixed(from))
+            }
+        };
         for x in cuts {
             if (top.x < x) != (bottom.x < x) {
                 let cut = at_x(x);

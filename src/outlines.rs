@@ -29,7 +29,13 @@ impl<'a> PlacedOutline<'a> {
     }
 
     /// The edges, flattened by whoever asks first.
-    pub fn edges(&self, flattener: &mut Flattener, list: &mut EdgeList, to_pixels: Affine, tolerance: f64) -> &BandedEdges {
+    pub fn edges(
+        &self,
+        flattener: &mut Flattener,
+        list: &mut EdgeList,
+        to_pixels: Affine,
+        tolerance: f64,
+    ) -> &BandedEdges {
         self.edges.get_or_init(|| {
             flattener.flatten(self.geometry, to_pixels, tolerance, list);
             list.take_banded()
@@ -86,7 +92,8 @@ impl BandLists {
     /// `bounds` gives each shape's, back to front.
     pub fn new(outlines: &[PlacedOutline], height: u32) -> BandLists {
         let bands = height.div_ceil(BAND_ROWS) as usize;
-        let range = |bounds: Bounds| bounds.top / BAND_ROWS as usize..=(bounds.bottom - 1) / BAND_ROWS as usize;
+        let range =
+            |bounds: Bounds| bounds.top / BAND_ROWS as usize..=(bounds.bottom - 1) / BAND_ROWS as usize;
         let mut starts = vec![0u32; bands + 1];
         for bounds in outlines.iter().filter_map(|outline| outline.bounds) {
             range(bounds).for_each(|band| starts[band + 1] += 1);
@@ -123,11 +130,18 @@ impl<'a> Outlines<'a> {
         let place = |geometry| PlacedOutline::new(geometry, viewport, all_crisp);
         Outlines {
             shapes: scene.shapes.iter().map(|shape| place(&shape.geometry)).collect(),
-            clips: scene.clips.iter().map(|clip| clip.members.iter().map(|m| place(&m.geometry)).collect()).collect(),
+            clips: scene
+                .clips
+                .iter()
+                .map(|clip| clip.members.iter().map(|m| place(&m.geometry)).collect())
+                .collect(),
         }
     }
 
     pub fn forget_above(&mut self, row: usize) {
-        self.shapes.iter_mut().chain(self.clips.iter_mut().flatten()).for_each(|outline| outline.forget_above(row));
+        self.shapes
+            .iter_mut()
+            .chain(self.clips.iter_mut().flatten())
+            .for_each(|outline| outline.forget_above(row));
     }
 }

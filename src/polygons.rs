@@ -52,12 +52,7 @@ impl Flattener {
 }
 
 /// Flattens sub-paths; each is closed, as filling asks.
-fn polygons(
-    path: impl Iterator<Item = PathEl>,
-    transform: Affine,
-    tolerance: f64,
-    edges: &mut impl Lines,
-) {
+fn polygons(path: impl Iterator<Item = PathEl>, transform: Affine, tolerance: f64, edges: &mut impl Lines) {
     let mut start = Point::ZERO;
     let mut last = Point::ZERO;
     for element in path {
@@ -204,7 +199,8 @@ impl Lines for LoopCutter<'_> {
         self.points.push(p);
         let count = self.points.len();
         for lines in [3, 4] {
-            if let Some((first, x)) = count.checked_sub(lines + 1).and_then(|i| Some((i, self.crossing(i)?))) {
+            if let Some((first, x)) = count.checked_sub(lines + 1).and_then(|i| Some((i, self.crossing(i)?)))
+            {
                 self.points.splice(first + 1..count - 1, [x]);
                 return;
             }

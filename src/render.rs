@@ -6,7 +6,7 @@
 //! ([`crate::sweep`]), keep what is seen in z-lists ([`crate::cel`]), and resolve those
 //! ([`crate::pixel`]). Bands come out from the top.
 
-use crate::band::{band_count, BandRenderer, Picture};
+use crate::band::{band_count, BandRenderer, Laps, Picture};
 use crate::cel::Rows;
 use crate::edges::{BAND_ROWS, LARGEST_SIDE};
 use crate::outlines::{BandLists, Outlines};
@@ -41,11 +41,20 @@ pub struct Settings {
     pub background: Option<[u8; 4]>,
     /// Threads to use; 0 for one a core. The bytes do not depend on it.
     pub threads: usize,
+    /// Take the time of each stage for [`Renderer::stages`]. Without it no clock is read in a band.
+    pub stage_times: bool,
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Settings { method: Method::Exact, tolerance: Settings::DEFAULT_TOLERANCE, linear: false, background: None, threads: 0 }
+        Settings {
+            method: Method::Exact,
+            tolerance: Settings::DEFAULT_TOLERANCE,
+            linear: false,
+            background: None,
+            threads: 0,
+            stage_times: false,
+        }
     }
 }
 
@@ -69,7 +78,8 @@ impl Viewport {
     /// The whole drawing on `width` x `height` pixels, stretched where the aspect differs.
     pub fn fit(scene: &Scene, width: u32, height: u32) -> Viewport {
         let size = scene.size();
-        let transform = kurbo::Affine::scale_non_uniform(width as f64 / size.width, height as f64 / size.height);
+        let transform =
+            kurbo::Affine::scale_non_uniform(width as f64 / size.width, height as f64 / size.height);
         Viewport { width, height, transform }
     }
 }
@@ -77,7 +87,8 @@ impl Viewport {
 /// Time and work of each stage of the last picture, summed over all threads.
 #[derive(Clone, Debug, Default)]
 pub struct Stages {
-    /// Stage name and time, in the order in which they run.
+    /// Stage name and time, in the order in which they run. Unless [`Settings::stage_times`] asks for
+    /// more, all that is done in bands is one stage, whose time is the clock's.
     pub times: Vec<(&'static str, Duration)>,
     /// Counter name and value: pixels by class, nodes of the recursion, fallbacks.
     pub counts: Vec<(&'static str, u64)>,
@@ -101,7 +112,10 @@ impl Renderer {
     /// [`Error::Setting`] when a value is out of its range.
     pub fn new(settings: Settings) -> Result<Renderer, Error> {
         if !(1e-4..=100.0).contains(&settings.tolerance) {
-            return Err(Error::Setting(format!("tolerance {} is not within 0.0001 and 100 pixels", settings.tolerance)));
+            return Err(Error::Setting(format!(
+                "tolerance {} is not within 0.0001 and 100 pixels",
+                settings.tolerance
+            )));
         }
         let threads = match settings.threads {
             0 => std::thread::available_parallelism().map_or(1, usize::from),
@@ -233,7 +247,12 @@ impl Renderer {
                 outlines.forget_above(band * BAND_ROWS as usize);
             }
         }
-        self.stages.times = vec![("place", placed), ("bands", start.elapsed() - placed)];
+        self.stages.times = vec![("place", placed)];
+        let laps = self.take_laps();
+        match laps.is_empty() {
+            true => self.stages.times.push(("bands", start.elapsed() - placed)),
+            false => self.stages.times.extend(laps),
+        }
         self.stages.counts = self.take_counts();
         Ok(())
     }
@@ -248,16 +267,29 @@ impl Renderer {
     }
 
     /// Renders some bands into `buffer`, which starts with the first of their rows.
-    fn bands(&self, picture: &Picture, height: u32, bands: std::ops::Range<usize>, buffer: &mut [u8], stride: usize) {
-        let (width, first) = (picture.width, bands.start);
+    fn bands(
+        &self,
+        picture: &Picture,
+        height: u32,
+        bands: std::ops::Range<usize>,
+        buffer: &mut [u8],
+        stride: usize,
+    ) {
+        let (width, first, timed) = (picture.width, bands.start, self.settings.stage_times);
         let render = |renderer: &mut BandRenderer, (i, bytes): (usize, &mut [u8])| {
             let top = (first + i) as u32 * BAND_ROWS;
             let count = (height - top).min(BAND_ROWS) as usize;
+            if timed {
+                renderer.laps.get_or_insert_default();
+            }
             renderer.render(picture, first + i, Rows { bytes, stride, top, count });
         };
         let chunk = stride * BAND_ROWS as usize;
         let take = || self.idle.lock().expect("no thread panicked").pop();
-        let idle = || Returned { renderer: take().or_else(|| Some(BandRenderer::new(width, height))), to: &self.idle };
+        let idle = || Returned {
+            renderer: take().or_else(|| Some(BandRenderer::new(width, height))),
+            to: &self.idle,
+        };
         match &self.pool {
             None => {
                 let mut renderer = idle();
@@ -269,6 +301,18 @@ impl Renderer {
                 chunks.take(bands.len()).for_each_init(idle, |renderer, band| render(renderer.get(), band));
             }),
         }
+    }
+
+    /// The time of each stage within the bands, summed over all threads.
+    fn take_laps(&self) -> Vec<(&'static str, Duration)> {
+        if !self.settings.stage_times {
+            return Vec::new();
+        }
+        let mut sums = Laps::default();
+        for renderer in self.idle.lock().expect("no thread panicked").iter_mut() {
+            sums.add(renderer.laps.take().unwrap_or_default());
+        }
+        sums.named().into()
     }
 
     fn take_counts(&self) -> Vec<(&'static str, u64)> {
@@ -330,7 +374,9 @@ fn check(viewport: &Viewport) -> Result<(), Error> {
     let Viewport { width, height, transform } = *viewport;
     let sides = 1..=LARGEST_SIDE;
     if !sides.contains(&width) || !sides.contains(&height) {
-        return Err(Error::Size(format!("a picture of {width} x {height} pixels is not within 1 and {LARGEST_SIDE} a side")));
+        return Err(Error::Size(format!(
+            "a picture of {width} x {height} pixels is not within 1 and {LARGEST_SIDE} a side"
+        )));
     }
     if !transform.is_finite() {
         return Err(Error::Size("the transform from the drawing to the picture is not finite".into()));

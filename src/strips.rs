@@ -188,7 +188,11 @@ impl Filer<'_> {
         let (first, last) = (strip.x0 >> FRACTION_BITS, strip.x1 >> FRACTION_BITS);
         if first == last {
             let left = first << FRACTION_BITS;
-            self.put_leftwards(first, [strip.x0 - left, strip.y0, strip.x1 - left, strip.y1], CrossesLeft::No);
+            self.put_leftwards(
+                first,
+                [strip.x0 - left, strip.y0, strip.x1 - left, strip.y1],
+                CrossesLeft::No,
+            );
         } else if first < last {
             self.rightwards(strip, first, last);
         } else {

@@ -69,18 +69,20 @@ pub fn measure(drawing: &Prepared, plan: Plan) -> Row {
     let size = Size::of(drawing, plan.size);
     let mut tiny_skia = TinySkia::new(drawing, size);
     let mut vello = VelloCpu::new(drawing, size, plan.threads);
-    let mut exact = Exact::new(drawing, size, plan.threads);
+    let mut exact = Exact::new(drawing, size, plan.threads, false);
+    let mut staged = Exact::new(drawing, size, plan.threads, true);
     let mut times = [Vec::new(), Vec::new(), Vec::new()];
     let mut stages: Vec<(&'static str, f64)> = Vec::new();
     for run in 0..=plan.runs {
         let round = [tiny_skia.time(drawing), vello.time(drawing), exact.time(drawing)];
+        staged.time(drawing);
         if run == 0 {
             continue;
         }
         for (times, time) in times.iter_mut().zip(round) {
             times.push(milliseconds(time));
         }
-        for (stage, time) in &exact.stages().times {
+        for (stage, time) in &staged.stages().times {
             let share = milliseconds(*time) / plan.runs as f64;
             match stages.iter_mut().find(|(name, _)| name == stage) {
                 Some((_, sum)) => *sum += share,
@@ -103,7 +105,7 @@ pub fn measure(drawing: &Prepared, plan: Plan) -> Row {
         vello: vello_times,
         exact: exact_times,
         stages,
-        counts: exact.stages().counts.clone(),
+        counts: staged.stages().counts.clone(),
         differences,
     }
 }

@@ -89,10 +89,11 @@ pub struct Exact {
 }
 
 impl Exact {
-    pub fn new(drawing: &Prepared, size: Size, threads: usize) -> Exact {
+    /// With `stage_times` it reads the clock between stages, which costs a little.
+    pub fn new(drawing: &Prepared, size: Size, threads: usize, stage_times: bool) -> Exact {
         let (width, height) = (u32::from(size.width), u32::from(size.height));
-        let renderer =
-            Renderer::new(Settings { threads, ..Settings::default() }).expect("the defaults are in range");
+        let settings = Settings { threads, stage_times, ..Settings::default() };
+        let renderer = Renderer::new(settings).expect("the defaults are in range");
         let viewport = Viewport::fit(&drawing.scene, width, height);
         Exact { renderer, viewport, pixmap: Pixmap::new(width, height) }
     }

@@ -274,6 +274,7 @@ fn render_job(mut arguments: Arguments) -> Result<Job, String> {
         linear: picture.linear,
         background: picture.background.map(|color| color.0),
         threads: picture.threads.into(),
+        stage_times: report.perf.is_some(),
     };
     Ok(Job::Render(RenderJob {
         plan,

@@ -158,7 +158,10 @@ impl Boundary {
         for i in 0..self.chords.len() {
             let chord = self.chords[i];
             // Along one line of a fragment that touches nothing, the sides stay what they are.
-            let known = !self.touching && i > 0 && self.is_chain >> chord.leaf & 1 != 0 && chord.continues(&self.chords[i - 1]);
+            let known = !self.touching
+                && i > 0
+                && self.is_chain >> chord.leaf & 1 != 0
+                && chord.continues(&self.chords[i - 1]);
             if !known {
                 sides = self.sides(i);
             }
@@ -203,7 +206,9 @@ impl Boundary {
     /// The fragments whose winding number is inside by their rule.
     #[inline]
     fn inside(&self) -> u64 {
-        let bit = |(i, (&winding, &(_, rule))): (usize, (&i32, &(i32, FillRule)))| u64::from(rule.inside(winding)) << i;
+        let bit = |(i, (&winding, &(_, rule))): (usize, (&i32, &(i32, FillRule)))| {
+            u64::from(rule.inside(winding)) << i
+        };
         self.windings.iter().zip(&self.corner).enumerate().map(bit).sum()
     }
 
@@ -250,11 +255,7 @@ impl Chord {
     /// Does this one go on where the other ends, upwards or downwards as it does?
     #[inline]
     fn continues(&self, other: &Chord) -> bool {
-        let joined = if self.winding > 0 {
-            (self.x0, self.y0) == (other.x1, other.y1) || (self.x1, self.y1) == (other.x0, other.y0)
-        } else {
-            (self.x1, self.y1) == (other.x0, other.y0) || (self.x0, self.y0) == (other.x1, other.y1)
-        };
+        let joined = (self.x0, self.y0) == (other.x1, other.y1) || (self.x1, self.y1) == (other.x0, other.y0);
         joined && self.leaf == other.leaf && self.winding == other.winding
     }
 

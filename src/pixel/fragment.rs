@@ -99,7 +99,13 @@ impl Coverer {
         }
         self.cleaned += 1;
         if let Some(clean) = self.cleaner.clean(&self.set, rule, pieces) {
-            return part((clean.area.clamp(0, PIXEL_AREA), 1), clean.pieces, clean.cover_left, FillRule::NonZero, false);
+            return part(
+                (clean.area.clamp(0, PIXEL_AREA), 1),
+                clean.pieces,
+                clean.cover_left,
+                FillRule::NonZero,
+                false,
+            );
         }
         self.sampled += 1;
         let mut sampler = Sampler::default();
@@ -239,7 +245,9 @@ impl PieceSet {
         for i in 0..self.pieces.len() {
             let piece = self.pieces[i];
             match self.pieces[..kept].last_mut() {
-                Some(last) if (last.x0, last.y0, last.x1, last.y1) == (piece.x0, piece.y0, piece.x1, piece.y1) => {
+                Some(last)
+                    if (last.x0, last.y0, last.x1, last.y1) == (piece.x0, piece.y0, piece.x1, piece.y1) =>
+                {
                     last.winding += piece.winding;
                 }
                 _ => {
@@ -255,12 +263,14 @@ impl PieceSet {
     /// The winding number at a point given in halves of fixed point. A piece through the point counts
     /// as left of it.
     pub fn winding_at_half_units(&self, x: i32, y: i32) -> i32 {
-        self.winding_left_of(y) + self.pieces.iter().filter(|p| p.is_left_of(x, y)).map(|p| p.winding).sum::<i32>()
+        self.winding_left_of(y)
+            + self.pieces.iter().filter(|p| p.is_left_of(x, y)).map(|p| p.winding).sum::<i32>()
     }
 
     /// The winding number at the pixel's left border; `y` in halves of fixed point.
     pub fn winding_left_of(&self, y: i32) -> i32 {
-        self.base + self.steps.iter().filter(|&&(at, _)| 2 * i32::from(at) <= y).map(|&(_, step)| step).sum::<i32>()
+        self.base
+            + self.steps.iter().filter(|&&(at, _)| 2 * i32::from(at) <= y).map(|&(_, step)| step).sum::<i32>()
     }
 
     /// The winding number left of the middle of a piece; below it, when it is horizontal.
@@ -313,7 +323,9 @@ impl Segment {
         match (y0, x0).cmp(&(y1, x1)) {
             std::cmp::Ordering::Equal => None,
             std::cmp::Ordering::Less => Some(Segment { y0: fy0, x0: fx0, y1: fy1, x1: fx1, winding }),
-            std::cmp::Ordering::Greater => Some(Segment { y0: fy1, x0: fx1, y1: fy0, x1: fx0, winding: -winding }),
+            std::cmp::Ordering::Greater => {
+                Some(Segment { y0: fy1, x0: fx1, y1: fy0, x1: fx0, winding: -winding })
+            }
         }
     }
 

@@ -42,7 +42,13 @@ pub(crate) fn shared_area(a: &Fragment, b: &Fragment, pieces: &[Piece]) -> Optio
 
 impl<'a> Line<'a> {
     fn read(fragment: &'a Fragment, pieces: &[Piece]) -> Option<Line<'a>> {
-        let mut line = Line { fragment, pieces: [[0; 5]; MOST_PIECES], count: 0, bounds: [i32::MAX, i32::MAX, -1, -1], point: [0, ONE] };
+        let mut line = Line {
+            fragment,
+            pieces: [[0; 5]; MOST_PIECES],
+            count: 0,
+            bounds: [i32::MAX, i32::MAX, -1, -1],
+            point: [0, ONE],
+        };
         let mut next = fragment.pieces;
         while next != NO_PIECE {
             let piece = &pieces[next as usize];

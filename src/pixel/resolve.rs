@@ -237,7 +237,9 @@ impl Resolver {
                 self.set.gather(leaf.pieces, leaf.cover_left, pieces);
                 integrator.add(&self.set, leaf.rule);
             }
-            let is_known = |known: Known| move |leaf| (known.known >> leaf & 1 != 0).then_some(known.inside >> leaf & 1 != 0);
+            let is_known = |known: Known| {
+                move |leaf| (known.known >> leaf & 1 != 0).then_some(known.inside >> leaf & 1 != 0)
+            };
             done = integrator.integrate(
                 |known| self.compose(&is_known(known), place.middle(), place.around).err(),
                 |known, area, corners| {
@@ -386,6 +388,6 @@ impl Mean {
         let [r, g, b, through] = self.sums;
         let (r, g, b) = ((r * SCALE) as f32, (g * SCALE) as f32, (b * SCALE) as f32);
         let sheet = Sheet { color: [r, g, b], through: (through * SCALE) as f32 };
-        if linear { sheet.from_linear() } else { sheet }.to_rgba8()
+        if linear { sheet.to_srgb() } else { sheet }.to_rgba8()
     }
 }

@@ -273,8 +273,11 @@ fn cut(whole: &[Corner], line: Line, left: &mut Vec<Corner>, right: &mut Vec<Cor
         if d * next_d < 0.0 {
             let t = d / (d - next_d);
             let (x, y) = (corner.x + (next.x - corner.x) * t, corner.y + (next.y - corner.y) * t);
-            let (leaving, entering, along) =
-                if d > 0.0 { (&mut *left, &mut *right, line) } else { (&mut *right, &mut *left, line.reversed()) };
+            let (leaving, entering, along) = if d > 0.0 {
+                (&mut *left, &mut *right, line)
+            } else {
+                (&mut *right, &mut *left, line.reversed())
+            };
             leaving.push(Corner { x, y, border: along });
             entering.push(Corner { x, y, border: corner.border });
         }

@@ -33,7 +33,8 @@ pub(super) fn scene(tree: &usvg::Tree, node: Option<&usvg::Node>) -> Result<Scen
             node.abs_stroke_bounding_box()
         }
     };
-    let bounds = Rect::new(bounds.left().into(), bounds.top().into(), bounds.right().into(), bounds.bottom().into());
+    let bounds =
+        Rect::new(bounds.left().into(), bounds.top().into(), bounds.right().into(), bounds.bottom().into());
     Ok(Scene {
         size: Size::new(tree.size().width().into(), tree.size().height().into()),
         bounding_box: (!walk.shapes.is_empty()).then_some(bounds),
@@ -133,14 +134,24 @@ impl Walk {
         let geometry = |outline| Geometry { path: data.clone(), transform: place.transform, outline, crisp };
         let fill = path.fill().and_then(|fill| {
             let paint = self.paint(fill.paint(), fill.opacity().get(), place.transform, path.id())?;
-            Some(Shape { geometry: geometry(fill_outline(fill)), paint, clip: place.clip, group: place.group })
+            Some(Shape {
+                geometry: geometry(fill_outline(fill)),
+                paint,
+                clip: place.clip,
+                group: place.group,
+            })
         });
         let stroke = path.stroke().and_then(|stroke| {
             let paint = self.paint(stroke.paint(), stroke.opacity().get(), place.transform, path.id())?;
             if stroke.linejoin() == usvg::LineJoin::MiterClip {
                 self.warn("clipped miter joins", path.id());
             }
-            Some(Shape { geometry: geometry(stroke_outline(stroke)), paint, clip: place.clip, group: place.group })
+            Some(Shape {
+                geometry: geometry(stroke_outline(stroke)),
+                paint,
+                clip: place.clip,
+                group: place.group,
+            })
         });
         match path.paint_order() {
             usvg::PaintOrder::FillAndStroke => self.shapes.extend(fill.into_iter().chain(stroke)),
@@ -182,7 +193,13 @@ impl Walk {
         (self.clips.len() - 1) as ClipId
     }
 
-    fn clip_members(&mut self, parent: &usvg::Group, transform: Affine, clip: Option<ClipId>, members: &mut Vec<ClipMember>) {
+    fn clip_members(
+        &mut self,
+        parent: &usvg::Group,
+        transform: Affine,
+        clip: Option<ClipId>,
+        members: &mut Vec<ClipMember>,
+    ) {
         for child in parent.children() {
             match child {
                 usvg::Node::Path(path) if path.is_visible() => {
@@ -200,7 +217,13 @@ impl Walk {
         }
     }
 
-    fn clip_group(&mut self, group: &usvg::Group, transform: Affine, clip: Option<ClipId>, members: &mut Vec<ClipMember>) {
+    fn clip_group(
+        &mut self,
+        group: &usvg::Group,
+        transform: Affine,
+        clip: Option<ClipId>,
+        members: &mut Vec<ClipMember>,
+    ) {
         let transform = transform * affine(group.transform());
         let clip = group.clip_path().map(|own| self.clip(own, transform, clip)).or(clip);
         self.clip_members(group, transform, clip, members);
@@ -248,7 +271,12 @@ fn stroke_outline(stroke: &usvg::Stroke) -> Outline {
     }))
 }
 
-fn gradient(base: &usvg::BaseGradient, shape: GradientShape, opacity: f32, transform: Affine) -> Option<Paint> {
+fn gradient(
+    base: &usvg::BaseGradient,
+    shape: GradientShape,
+    opacity: f32,
+    transform: Affine,
+) -> Option<Paint> {
     let stops = base
         .stops()
         .iter()
@@ -259,7 +287,7 @@ fn gradient(base: &usvg::BaseGradient, shape: GradientShape, opacity: f32, trans
         usvg::SpreadMethod::Reflect => Spread::Reflect,
         usvg::SpreadMethod::Repeat => Spread::Repeat,
     };
-    Gradient::new(shape, spread, stops, transform * affine(base.transform()))
+    Gradient::paint(shape, spread, stops, transform * affine(base.transform()))
 }
 
 fn affine(t: usvg::Transform) -> Affine {

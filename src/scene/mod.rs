@@ -153,9 +153,9 @@ impl Scene {
     /// # Errors
     /// [`Error::Element`] when there is no such element or it draws nothing.
     pub fn from_element(tree: &usvg::Tree, id: &str) -> Result<Scene, Error> {
-        let node = tree
-            .node_by_id(id)
-            .ok_or_else(|| Error::Element(format!("no element with id '{id}' is drawn (--query-all lists them)")))?;
+        let node = tree.node_by_id(id).ok_or_else(|| {
+            Error::Element(format!("no element with id '{id}' is drawn (--query-all lists them)"))
+        })?;
         convert::scene(tree, Some(node))
     }
 

@@ -75,7 +75,7 @@ impl Sheet {
     }
 
     /// The inverse of [`Sheet::to_linear`].
-    pub fn from_linear(self) -> Sheet {
+    pub fn to_srgb(self) -> Sheet {
         self.recoded(srgb_of_linear)
     }
 
@@ -201,7 +201,10 @@ impl GradientShape {
 
     /// 0 on the focal circle, 1 on the outer one; each is x, y, radius.
     pub fn radial(focal: (f64, f64, f64), outer: (f64, f64, f64)) -> GradientShape {
-        GradientShape::Radial { start: focal, step: (outer.0 - focal.0, outer.1 - focal.1, outer.2 - focal.2) }
+        GradientShape::Radial {
+            start: focal,
+            step: (outer.0 - focal.0, outer.1 - focal.1, outer.2 - focal.2),
+        }
     }
 }
 
@@ -218,7 +221,7 @@ pub(crate) struct Gradient {
 
 impl Gradient {
     /// `None` when the transform has no inverse; a gradient without extent is its last colour.
-    pub fn new(shape: GradientShape, spread: Spread, stops: Vec<Stop>, transform: Affine) -> Option<Paint> {
+    pub fn paint(shape: GradientShape, spread: Spread, stops: Vec<Stop>, transform: Affine) -> Option<Paint> {
         let last = *stops.last()?;
         if transform.determinant() == 0.0 || !transform.is_finite() {
             return None;
