@@ -8,7 +8,7 @@ use super::{stroke, Options};
 use crate::Viewport;
 use kurbo::{Affine, BezPath};
 use std::collections::HashMap;
-use usvg::{FillRule, Group, Node, PaintOrder, Path, ShapeRendering};
+use usvg::{FillRule, Group, Node, PaintOrder, Path};
 
 /// A drawing, ready for the sweep. Geometries are numbered in depth order, the back first; those of
 /// clip-paths stand in between and have no paint.
@@ -224,7 +224,7 @@ impl Builder<'_> {
 }
 
 fn is_jagged(path: &Path) -> bool {
-    path.rendering_mode() == ShapeRendering::CrispEdges
+    !path.rendering_mode().use_shape_antialiasing()
 }
 
 /// The same transform in f64.

@@ -62,10 +62,21 @@ impl Pieces<'_> {
     }
 
     /// A box whose ends stand across the true path's directions, each half apart; a half which a
-    /// tight turn would fold stands across the chord.
+    /// tight turn would fold stands across the chord. Where the path turns on the spot, as a curve does
+    /// whose first control point is next to its start, the pen turns with it.
     fn segment(&mut self, from: Point, to: Point, leaves: Vec2, arrives: Vec2) {
         let chord = to - from;
-        let across = chord.normalize().turn_90() * self.radius;
+        let straight = chord.normalize();
+        let (mut leaves, mut arrives) = (leaves, arrives);
+        if self.turns_on_the_spot(leaves, straight) {
+            self.join(from, leaves, straight, Join::Round);
+            leaves = straight;
+        }
+        if self.turns_on_the_spot(straight, arrives) {
+            self.join(to, straight, arrives, Join::Round);
+            arrives = straight;
+        }
+        let across = straight.turn_90() * self.radius;
         for side in [1.0, -1.0] {
             let (start, end) =
                 (leaves.turn_90() * (self.radius * side), arrives.turn_90() * (self.radius * side));
@@ -73,6 +84,12 @@ impl Pieces<'_> {
             let (start, end) = if folded { (across * side, across * side) } else { (start, end) };
             self.polygon(&[from, to, to + end, from + start]);
         }
+    }
+
+    /// Whether the arc of the pen's edge is farther than the tolerance from its chord.
+    fn turns_on_the_spot(&self, before: Vec2, after: Vec2) -> bool {
+        let half_cosine = (0.5 * (1.0 + before.dot(after))).max(0.0).sqrt();
+        self.radius * (1.0 - half_cosine) > self.tolerance
     }
 
     /// The outer side of the turn from one direction to the next.

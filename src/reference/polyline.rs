@@ -1,6 +1,6 @@
 //! Takes paths, makes polylines which remember where they were smooth, and their dashes.
 
-use kurbo::{BezPath, PathEl, Point, Vec2};
+use kurbo::{BezPath, CubicBez, ParamCurve, ParamCurveExtrema, PathEl, PathSeg, Point, QuadBez, Vec2};
 
 /// A flattened sub-path in user space.
 #[derive(Clone, Debug, Default)]
@@ -71,12 +71,7 @@ impl Polyline {
     }
 
     fn push_curve(&mut self, from: Point, curve: PathEl, tolerance: f64) {
-        let mut points = Vec::new();
-        kurbo::flatten([PathEl::MoveTo(from), curve], tolerance, |element| {
-            if let PathEl::LineTo(p) = element {
-                points.push(p);
-            }
-        });
+        let mut points = flattened(from, curve, tolerance);
         let end = points.pop();
         // A chord of almost no length has the direction of its rounding.
         let apart = |a: Point, b: Point| a.distance(b) > tolerance;
@@ -223,6 +218,30 @@ impl Polyline {
 
 /// Control points this near to an end, in user units, give no direction: it would be of rounding.
 const SAME_POINT: f64 = 1e-6;
+
+/// Points along the curve, but for its first. It is cut where it turns round in x or in y: one that runs
+/// out and back along a line is as good as its end to a flattener that looks for area.
+fn flattened(from: Point, curve: PathEl, tolerance: f64) -> Vec<Point> {
+    let segment = match curve {
+        PathEl::QuadTo(p1, p2) => PathSeg::Quad(QuadBez::new(from, p1, p2)),
+        PathEl::CurveTo(p1, p2, p3) => PathSeg::Cubic(CubicBez::new(from, p1, p2, p3)),
+        _ => return Vec::new(),
+    };
+    let mut points = Vec::new();
+    let mut start = 0.0;
+    for end in segment.extrema().into_iter().chain([1.0]) {
+        let part = segment.subsegment(start..end);
+        kurbo::flatten([PathEl::MoveTo(part.start()), part.as_path_el()], tolerance, |element| {
+            if let PathEl::LineTo(p) = element {
+                points.push(p);
+            }
+        });
+        start = end;
+    }
+    points.pop();
+    points.push(segment.end());
+    points
+}
 
 /// The directions, of length 1, in which a curve leaves and arrives.
 fn tangents(from: Point, curve: PathEl) -> (Vec2, Vec2) {

@@ -131,6 +131,24 @@ impl Piece {
     }
 }
 
+/// The first column whose centre, at height `y`, lies on the segment or right of it; at most `width`.
+/// The side is told by the sign of an area, without a division: exact where the coordinates are short.
+fn first_centre(segment: &Segment, y: f64, width: usize) -> usize {
+    let &Segment { x_top, y_top, x_bottom, y_bottom, .. } = segment;
+    let is_left_of = |column: usize| {
+        (x_bottom - x_top) * (y - y_top) <= (column as f64 + 0.5 - x_top) * (y_bottom - y_top)
+    };
+    let x = x_top + (x_bottom - x_top) * ((y - y_top) / (y_bottom - y_top));
+    let mut column = ((x - 0.5).ceil().max(0.0) as usize).min(width);
+    // The division may have been off by a little, so that x lies on the other side of a centre.
+    if column > 0 && is_left_of(column - 1) {
+        column -= 1;
+    } else if column < width && !is_left_of(column) {
+        column += 1;
+    }
+    column
+}
+
 /// A geometry's full pixels, or its edges in one pixel.
 struct Run {
     columns: Range<usize>,
@@ -171,49 +189,48 @@ impl<'a> RowPainter<'a> {
     pub(super) fn paint<'s>(&mut self, y: usize, segments: impl Iterator<Item = &'s Segment>) -> PaintedRow {
         self.runs.clear();
         self.cells.clear();
-        let mut pieces = Vec::new();
-        let mut geometry = 0;
+        let mut shape = Vec::new();
         for segment in segments {
-            if segment.geometry != geometry {
-                self.scan(geometry, &mut pieces);
-                geometry = segment.geometry;
+            if shape.first().is_some_and(|first: &&Segment| first.geometry != segment.geometry) {
+                self.scan(y, &shape);
+                shape.clear();
             }
-            pieces.extend(Piece::of(segment, y as f64));
+            shape.push(segment);
         }
-        self.scan(geometry, &mut pieces);
+        self.scan(y, &shape);
         self.cells.sort_by_key(|cell| (cell.column, cell.geometry));
         self.colour(y)
     }
 
-    fn scan(&mut self, geometry: u32, pieces: &mut Vec<Piece>) {
-        if pieces.is_empty() {
-            return;
-        }
-        let Some(shape) = self.drawing.geometries.get(geometry as usize) else { return };
+    /// What one geometry has in row `y`.
+    fn scan(&mut self, y: usize, segments: &[&Segment]) {
+        let Some(first) = segments.first() else { return };
+        let drawing = self.drawing;
+        let shape = &drawing.geometries[first.geometry as usize];
+        let row = y as f64;
         if shape.jagged {
-            self.scan_centres(geometry, shape, pieces);
+            self.scan_centres(first.geometry, shape, row + 0.5, segments);
         } else {
-            self.scan_columns(geometry, shape, pieces);
+            let mut pieces: Vec<Piece> = segments.iter().filter_map(|s| Piece::of(s, row)).collect();
+            self.scan_columns(first.geometry, shape, &mut pieces);
         }
-        pieces.clear();
     }
 
-    /// A jagged shape covers the pixels whose centre it holds; a centre on its left edge is inside.
-    fn scan_centres(&mut self, geometry: u32, shape: &Geometry, pieces: &[Piece]) {
-        let mut crossings: Vec<(f64, i32)> = pieces
+    /// A jagged shape covers the pixels whose centre it holds; a centre on an edge belongs to what
+    /// lies right of the edge, or below a horizontal one. `y` is where the centres are.
+    fn scan_centres(&mut self, geometry: u32, shape: &Geometry, y: f64, segments: &[&Segment]) {
+        let mut steps: Vec<(usize, i32)> = segments
             .iter()
-            .filter(|p| p.y_top <= 0.5 && 0.5 < p.y_bottom)
-            .map(|p| {
-                let slope = (p.x_bottom - p.x_top) / (p.y_bottom - p.y_top);
-                (p.x_top + (0.5 - p.y_top) * slope, p.winding)
-            })
+            .filter(|s| s.y_top <= y && y < s.y_bottom)
+            .map(|s| (first_centre(s, y, self.width), s.winding))
             .collect();
-        crossings.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let first_column = |x: f64| ((x - 0.5).ceil().max(0.0) as usize).min(self.width);
+        // Nothing beyond the right border has segments: what is inside there may not end.
+        steps.push((self.width, 0));
+        steps.sort_unstable();
         let mut winding = 0;
-        for pair in crossings.windows(2) {
+        for pair in steps.windows(2) {
             winding += pair[0].1;
-            let columns = first_column(pair[0].0)..first_column(pair[1].0);
+            let columns = pair[0].0..pair[1].0;
             if shape.holds(winding) && !columns.is_empty() {
                 self.runs.push(Run { columns, geometry });
             }

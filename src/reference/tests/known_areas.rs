@@ -116,6 +116,50 @@ fn crisp_edges_are_jagged_and_go_by_the_centre() {
     assert_eq!(alphas, [1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
 }
 
+/// Which pixels of a drawing hold anything, row by row.
+fn painted(truth: &Truth) -> Vec<bool> {
+    truth.premultiplied().iter().map(|pixel| pixel[3] > 0.0).collect()
+}
+
+#[test]
+fn a_jagged_shape_goes_on_to_the_border_which_it_crosses() {
+    let t = truth(5, 1, "<path shape-rendering='crispEdges' d='M1.6 -9V9H50V-9z'/>");
+    assert_eq!(painted(&t), [false, false, true, true, true]);
+    let t = truth(3, 1, "<path shape-rendering='crispEdges' d='M1.2 .5L9 -4L9 5z'/>");
+    assert_eq!(painted(&t), [false, true, true]);
+    let t = truth(3, 2, "<path shape-rendering='crispEdges' d='M-9 -9H9V9H-9z'/>");
+    assert_eq!(painted(&t), [true; 6]);
+}
+
+#[test]
+fn a_centre_on_an_edge_of_a_jagged_shape_belongs_to_the_right_or_lower_side() {
+    for (d, wanted) in [
+        ("M.5 -1H9V9H.5z", true),
+        ("M-9 -1H.5V9H-9z", false),
+        ("M-1 .5H9V9H-1z", true),
+        ("M-1 -9H9V.5H-1z", false),
+        // The diagonals: of the upper right half, which has the right side, and so on.
+        ("M-1 -1H2V2z", true),
+        ("M-1 -1V2H2z", false),
+        ("M-1 2H2V-1z", true),
+        ("M-1 2V-1H2z", false),
+        // A slope that no binary fraction is.
+        ("M-2.5 -.5L3.5 1.5L4 -1z", true),
+        ("M-2.5 -.5L3.5 1.5L-3 2z", false),
+    ] {
+        let t = truth(1, 1, &format!("<path shape-rendering='crispEdges' d='{d}'/>"));
+        assert_eq!(painted(&t), [wanted], "{d}");
+    }
+}
+
+#[test]
+fn optimize_speed_is_as_jagged_as_crisp_edges() {
+    for (mode, wanted) in [("optimizeSpeed", 1.0), ("crispEdges", 1.0), ("geometricPrecision", 0.75)] {
+        let t = truth(1, 1, &format!("<path shape-rendering='{mode}' d='M0 0H.75V1H0z'/>"));
+        assert_near(alpha(&t, 0, 0), wanted, 1e-12);
+    }
+}
+
 #[test]
 fn a_circle_has_the_area_of_a_circle() {
     let t = truth(41, 41, "<circle cx='20.3' cy='20.6' r='18'/>");

@@ -143,3 +143,21 @@ fn a_round_join_stands_before_a_line_that_turns_back() {
         }
     }
 }
+
+#[test]
+fn a_pen_turns_where_its_curve_turns_on_the_spot() {
+    let body = |d: &str| {
+        format!("<path fill='none' stroke='#000' stroke-width='4' stroke-linejoin='round' d='{d}'/>")
+    };
+    // It sets out upwards, and has turned before it has gone anywhere: what a pen inks on its outer
+    // side while it turns. On the inner side the strokers differ.
+    let [kurbo, pieces] = STROKERS.map(|s| truth_by(s, 16, 16, &body("M4 4C4 3.999 10 10 10 14")));
+    for (x, y) in [(2, 2), (3, 2), (4, 2), (5, 2), (2, 3), (5, 3)] {
+        assert!(alpha(&pieces, x, y) > 0.2, "the pen's turn is inked");
+        assert_near(alpha(&pieces, x, y), alpha(&kurbo, x, y), 2e-3);
+    }
+    // Out and back: a line with a round end.
+    let out_and_back = truth_by(Stroker::Pieces, 16, 16, &body("M3 5C11 9 11 9 3 5"));
+    let line = truth_by(Stroker::Pieces, 16, 16, &body("M3 5L9 8L3 5"));
+    assert_near(area(&out_and_back), area(&line), 5e-3);
+}
