@@ -1,7 +1,9 @@
 //! Takes a path and a pen, makes the outline of the line that it draws, by kurbo's stroker.
 //!
 //! The stroker leaves out lines and dashes that have no length, of which SVG draws the round and
-//! square caps; they are given one too short to be seen.
+//! square caps; they are given one too short to be seen. And on the inner side of a corner it goes
+//! straight from one line's border to the next one's, which is a hole where a line is shorter than the
+//! pen is wide; there the corner's inner triangle is filled.
 
 use kurbo::{BezPath, Cap, PathEl, Point, Stroke, StrokeCtx, Vec2};
 
@@ -31,8 +33,85 @@ pub(crate) fn outline<'a>(
     if !pen.dash_pattern.is_empty() && (dashes.is_nan() || dashes > MOST_DASHES) {
         pen.dash_pattern.clear();
     }
-    kurbo::stroke_with(&path, &pen, &Default::default(), tolerance, context);
-    context.output().iter()
+    let dashed = match pen.dash_pattern.is_empty() {
+        true => path,
+        false => kurbo::dash(path.into_iter(), pen.dash_offset, &pen.dash_pattern).collect(),
+    };
+    pen.dash_pattern.clear();
+    kurbo::stroke_with(&dashed, &pen, &Default::default(), tolerance, context);
+    context.output().iter().chain(inner_triangles(&dashed, 0.5 * pen.width))
+}
+
+/// A segment of a path, as its joins see it.
+#[derive(Clone, Copy)]
+struct Stretch {
+    /// Unit vectors along it, where it begins and where it ends.
+    begins: Vec2,
+    ends: Vec2,
+    /// From end to end.
+    length: f64,
+}
+
+impl Stretch {
+    /// From its control points; `None` of a segment that goes nowhere.
+    fn of(hull: &[Point]) -> Option<Stretch> {
+        let (&first, &last) = (hull.first()?, hull.last()?);
+        let second = *hull.iter().find(|&&p| p != first)?;
+        let last_but_one = *hull.iter().rev().find(|&&p| p != last)?;
+        let (begins, ends) = ((second - first).normalize(), (last - last_but_one).normalize());
+        Some(Stretch { begins, ends, length: (last - first).hypot() })
+    }
+}
+
+/// The triangles between corners and the ends of the borders on their inner sides, where one of the
+/// lines that meet is too short to cover its own. They wind as the stroker's outlines do.
+fn inner_triangles(path: &BezPath, radius: f64) -> Vec<PathEl> {
+    let (mut triangles, mut hull) = (Vec::new(), Vec::new());
+    let (mut start, mut here) = (Point::ZERO, Point::ZERO);
+    let (mut first, mut last): (Option<Stretch>, Option<Stretch>) = (None, None);
+    for element in path {
+        hull.clear();
+        hull.push(here);
+        match element {
+            PathEl::MoveTo(p) => {
+                (start, here) = (p, p);
+                (first, last) = (None, None);
+                continue;
+            }
+            PathEl::ClosePath => hull.push(start),
+            _ => hull.extend(control_points(&element)),
+        };
+        if let Some(stretch) = Stretch::of(&hull) {
+            triangles.extend(
+                last.and_then(|last| inner_triangle(here, last, stretch, radius)).into_iter().flatten(),
+            );
+            first.get_or_insert(stretch);
+            last = Some(stretch);
+        }
+        here = hull[hull.len() - 1];
+        if element == PathEl::ClosePath {
+            let closing =
+                first.zip(last).and_then(|(first, last)| inner_triangle(start, last, first, radius));
+            triangles.extend(closing.into_iter().flatten());
+            (first, last) = (None, None);
+        }
+    }
+    triangles
+}
+
+/// The triangle inside one corner, if it is needed.
+fn inner_triangle(corner: Point, before: Stretch, after: Stretch, radius: f64) -> Option<[PathEl; 4]> {
+    let (sine, cosine) = (before.ends.cross(after.begins), before.ends.dot(after.begins));
+    // How far back along a line the border of the other one begins.
+    let reach = if cosine > 0.0 { radius * sine.abs() } else { radius };
+    if sine == 0.0 || before.length.min(after.length) >= reach {
+        return None;
+    }
+    let side = radius * sine.signum();
+    let border = |along: Vec2| corner + side * Vec2::new(-along.y, along.x);
+    let (one, other) = (border(before.ends), border(after.begins));
+    let (one, other) = if sine > 0.0 { (one, other) } else { (other, one) };
+    Some([PathEl::MoveTo(corner), PathEl::LineTo(one), PathEl::LineTo(other), PathEl::ClosePath])
 }
 
 /// The path, with sub-paths that go nowhere going a little to the right.

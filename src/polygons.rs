@@ -43,8 +43,7 @@ impl Flattener {
                 let fine = PEN_SHARE * tolerance / scale;
                 let mut context = std::mem::take(&mut self.stroke);
                 let outline = pen::outline(&mut context, elements(&geometry.path), style, fine);
-                let inner = if transform.determinant() < 0.0 { -1.0 } else { 1.0 };
-                polygons(outline, transform, tolerance, &mut LoopCutter::new(edges, inner));
+                polygons(outline, transform, tolerance, edges);
                 self.stroke = context;
             }
         }
@@ -52,7 +51,7 @@ impl Flattener {
 }
 
 /// Flattens sub-paths; each is closed, as filling asks.
-fn polygons(path: impl Iterator<Item = PathEl>, transform: Affine, tolerance: f64, edges: &mut impl Lines) {
+fn polygons(path: impl Iterator<Item = PathEl>, transform: Affine, tolerance: f64, edges: &mut EdgeList) {
     let mut start = Point::ZERO;
     let mut last = Point::ZERO;
     for element in path {
@@ -86,7 +85,7 @@ fn polygons(path: impl Iterator<Item = PathEl>, transform: Affine, tolerance: f6
 }
 
 /// The chords of one curve, whose control polygon is `hull`.
-fn chords(curve: Curve, hull: &[Point], tolerance: f64, edges: &mut impl Lines) {
+fn chords(curve: Curve, hull: &[Point], tolerance: f64, edges: &mut EdgeList) {
     let last = hull[hull.len() - 1];
     if edges.sees_no_curve(hull) {
         edges.line_to(last);
@@ -106,124 +105,6 @@ fn chords(curve: Curve, hull: &[Point], tolerance: f64, edges: &mut impl Lines) 
         edges.line_to(curve.outer_point(i as f64 * h, share * h * h / 12.0));
     }
     edges.line_to(last);
-}
-
-/// Where polygons go, line by line, in pixels.
-trait Lines {
-    /// Begins a polygon; the one before is closed.
-    fn move_to(&mut self, p: Point);
-    /// Adds a line.
-    fn line_to(&mut self, p: Point);
-    /// Adds the line back to the polygon's beginning.
-    fn close(&mut self);
-    /// Is a curve in this hull as good as the line between its ends?
-    fn sees_no_curve(&self, hull: &[Point]) -> bool;
-}
-
-impl Lines for EdgeList {
-    fn move_to(&mut self, p: Point) {
-        EdgeList::move_to(self, p);
-    }
-
-    #[inline]
-    fn line_to(&mut self, p: Point) {
-        EdgeList::line_to(self, p);
-    }
-
-    fn close(&mut self) {
-        EdgeList::close(self);
-    }
-
-    fn sees_no_curve(&self, hull: &[Point]) -> bool {
-        EdgeList::sees_no_curve(self, hull)
-    }
-}
-
-/// Cuts off the loops that a stroker leaves on the inner side of each corner: where line AB and the
-/// next but one, or the one after that, cross in X, they become AX, XD.
-///
-/// ```text
-///         C                   C
-///    A ---X--> B         A ---X--> B      P is the corner of the path that is stroked; the loop
-///         |    |              |  .        X B P C or X B C winds as the outline does, so what it
-///         | <- P              | .         bounds lies inside twice over.
-///         D                   D
-/// ```
-struct LoopCutter<'a> {
-    edges: &'a mut EdgeList,
-    /// The last points of the polygon; the first of them is handed on already.
-    points: Vec<Point>,
-    /// 1 when loops inside the outline turn clockwise, -1 when they turn the other way.
-    inner: f64,
-}
-
-impl<'a> LoopCutter<'a> {
-    fn new(edges: &'a mut EdgeList, inner: f64) -> Self {
-        LoopCutter { edges, points: Vec::with_capacity(5), inner }
-    }
-
-    /// Where the last line crosses the one that starts at point `first`, in a loop that lies inside.
-    fn crossing(&self, first: usize) -> Option<Point> {
-        let (&[a, b], &[c, d]) = (self.points[first..].first_chunk()?, self.points.last_chunk()?);
-        let (ab, cd) = (b - a, d - c);
-        let turn = ab.cross(cd);
-        let (t, u) = ((c - a).cross(cd) / turn, (c - a).cross(ab) / turn);
-        let within = |v: f64| 0.0 < v && v < 1.0;
-        if !(within(t) && within(u)) {
-            return None;
-        }
-        let x = a + ab * t;
-        let corners = &self.points[first + 1..self.points.len() - 1];
-        let doubled: f64 = corners.windows(2).map(|pair| (pair[0] - x).cross(pair[1] - x)).sum();
-        (doubled * self.inner > 0.0).then_some(x)
-    }
-}
-
-impl Lines for LoopCutter<'_> {
-    fn move_to(&mut self, p: Point) {
-        self.close();
-        self.edges.move_to(p);
-        self.points.push(p);
-    }
-
-    fn line_to(&mut self, p: Point) {
-        // Along smooth lines there is nothing to look for.
-        if let [a, b] = self.points[..] {
-            if (b - a).dot(p - b) > 0.0 {
-                self.edges.line_to(b);
-                self.points[0] = b;
-                self.points[1] = p;
-                return;
-            }
-        }
-        self.points.push(p);
-        let count = self.points.len();
-        for lines in [3, 4] {
-            if let Some((first, x)) = count.checked_sub(lines + 1).and_then(|i| Some((i, self.crossing(i)?)))
-            {
-                self.points.splice(first + 1..count - 1, [x]);
-                return;
-            }
-        }
-        if count == 5 {
-            // After a corner the lines go on smoothly, or into the next one.
-            self.edges.line_to(self.points[1]);
-            self.edges.line_to(self.points[2]);
-            self.points.drain(..2);
-        }
-    }
-
-    fn close(&mut self) {
-        for &p in self.points.iter().skip(1) {
-            self.edges.line_to(p);
-        }
-        self.edges.close();
-        self.points.clear();
-    }
-
-    fn sees_no_curve(&self, hull: &[Point]) -> bool {
-        self.edges.sees_no_curve(hull)
-    }
 }
 
 /// A cubic in powers of t: `((a t + b) t + c) t + d`.

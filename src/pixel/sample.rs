@@ -2,14 +2,14 @@
 //! [`LINES`] sub-scanlines, each cut exactly in x.
 //!
 //! Promises: the areas sum exactly to the pixel; time grows with the pieces a sub-scanline meets, never
-//! with the crossings of the pieces. What is lost is accuracy in y, 1/64 pixel a border.
+//! with the crossings of the pieces. What is lost is accuracy in y, 1/128 pixel a border.
 
 use super::fragment::{PieceSet, PIXEL_AREA};
 use crate::edges::ONE;
 use crate::scene::FillRule;
 
 /// Sub-scanlines in a pixel.
-const LINES: i32 = 64;
+const LINES: i32 = 128;
 
 /// Fragments held for sampling.
 #[derive(Default)]
