@@ -13,7 +13,7 @@ pub(crate) const FRACTION_BITS: u32 = 14;
 /// One pixel in fixed point.
 pub(crate) const ONE: i32 = 1 << FRACTION_BITS;
 /// Rows of one band: a strip of the picture that one thread makes at a time.
-pub(crate) const BAND_ROWS: u32 = 16;
+pub(crate) const BAND_ROWS: u32 = 8;
 /// Largest picture side in pixels. Coordinates are cut off a little beyond, where they still fit.
 pub(crate) const LARGEST_SIDE: u32 = 65_535;
 

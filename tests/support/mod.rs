@@ -525,8 +525,11 @@ pub fn covers(layer: &Layer, [x, y]: Point) -> bool {
             let b = ring[(i + 1) % ring.len()];
             if (a[1] <= y) != (b[1] <= y) {
                 let side = (b[0] - a[0]) * (y - a[1]) - (x - a[0]) * (b[1] - a[1]);
-                if (side < 0.0) == (a[1] <= y) {
-                    winding += if a[1] <= y { 1 } else { -1 };
+                // A point on an edge lies right of it, whichever way the edge was drawn.
+                if a[1] <= y && side <= 0.0 {
+                    winding += 1;
+                } else if a[1] > y && side >= 0.0 {
+                    winding -= 1;
                 }
             }
         }
