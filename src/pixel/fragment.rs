@@ -218,6 +218,11 @@ pub(crate) struct Segment {
 }
 
 impl PieceSet {
+    /// The whole pixel.
+    pub fn everywhere() -> PieceSet {
+        PieceSet { base: 1, ..PieceSet::default() }
+    }
+
     /// Reads the list that ends with piece `last`.
     pub fn gather(&mut self, last: u32, cover_left: i32, pieces: &[Piece]) {
         self.steps.clear();

@@ -11,10 +11,10 @@ use crate::scene::FillRule;
 use crate::strips::{CrossesLeft, Piece, NO_PIECE};
 
 /// More pieces than this in one pixel are sampled.
-const MOST_PIECES: usize = 224;
+const MOST_PIECES: usize = 160;
 
 /// Pieces that are cut more often than this in one pixel are sampled.
-const MOST_CUTS: usize = 640;
+const MOST_CUTS: usize = 400;
 
 /// Cleans fragments; keeps its buffers from one to the next.
 #[derive(Default)]

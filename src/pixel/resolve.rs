@@ -9,6 +9,7 @@ use super::sample::Sampler;
 use super::split::{centroid, Integrator, Known, MOST_LEAVES};
 use crate::edges::ONE;
 use crate::scene::paint::{Shader, Sheet};
+use crate::scene::FillRule;
 use crate::strips::Piece;
 use crate::zlist::{Borders, ZLists};
 
@@ -262,6 +263,63 @@ impl Resolver {
     fn sample(&mut self, place: Place, pieces: &[Piece]) -> Mean {
         let mut sampler = std::mem::take(&mut self.sampler);
         sampler.clear();
+        let mean = match self.plain_sheets() {
+            Some(sheets) => self.sample_sheets(&mut sampler, &sheets, place, pieces),
+            None => self.sample_formulas(&mut sampler, place, pieces),
+        };
+        self.sampler = sampler;
+        mean
+    }
+
+    /// The items, if each is a sheet over the whole pixel or over one fragment.
+    fn plain_sheets(&self) -> Option<Vec<(Sheet, Option<usize>)>> {
+        let plain = |item: &Item| match *item {
+            Item::Sheet(sheet, None) => Some((sheet, None)),
+            Item::Sheet(sheet, Some(formula)) => match self.formulas[formula] {
+                Formula::Leaf(leaf) => Some((sheet, Some(leaf))),
+                _ => None,
+            },
+            _ => None,
+        };
+        self.items.iter().map(plain).collect()
+    }
+
+    /// Samples with one set a sheet, so that a region asks only for the sheets that it lies under.
+    fn sample_sheets(
+        &mut self,
+        sampler: &mut Sampler,
+        sheets: &[(Sheet, Option<usize>)],
+        place: Place,
+        pieces: &[Piece],
+    ) -> Mean {
+        for &(_, leaf) in sheets {
+            match leaf.map(|leaf| self.leaves[leaf]) {
+                Some(leaf) => {
+                    self.set.gather(leaf.pieces, leaf.cover_left, pieces);
+                    sampler.add(&self.set, leaf.rule);
+                }
+                None => sampler.add(&PieceSet::everywhere(), FillRule::NonZero),
+            }
+        }
+        let mut mean = Mean::default();
+        sampler.sample(|inside, area, _| {
+            let mut front = Sheet::CLEAR;
+            'sheets: for (word, bits) in inside.iter().enumerate() {
+                let mut bits = *bits;
+                while bits != 0 {
+                    front = front.over(sheets[word * 64 + bits.trailing_zeros() as usize].0);
+                    bits &= bits - 1;
+                    if front.through < NEGLIGIBLE {
+                        break 'sheets;
+                    }
+                }
+            }
+            mean.add(front.over(place.around.background), area, place.around.linear);
+        });
+        mean
+    }
+
+    fn sample_formulas(&mut self, sampler: &mut Sampler, place: Place, pieces: &[Piece]) -> Mean {
         for leaf in &self.leaves {
             self.set.gather(leaf.pieces, leaf.cover_left, pieces);
             sampler.add(&self.set, leaf.rule);
@@ -272,7 +330,6 @@ impl Resolver {
             let sheet = self.compose(&known, place.point(middle), place.around);
             mean.add(sheet.expect("every fragment is known"), area, place.around.linear);
         });
-        self.sampler = sampler;
         mean
     }
 
