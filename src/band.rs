@@ -3,8 +3,8 @@
 //! Catmull sweeps each scanline from left to right and looks at every polygon there in depth order.
 //! Here a band goes through its shapes from the front and keeps which pixels are finished: the same
 //! hidden surfaces go away, but a shape all of whose pixels are finished is left out before it is even
-//! flattened, and the sorted list of active polygons is not needed. With 3,000 opaque blobs
-//! over one another four fifths of all (shape, band) pairs end there.
+//! flattened, and no sorted list of active polygons is needed. In the benchmark's scene of 3,000
+//! outlined blobs at 1024 px, 81,601 of 89,777 (shape, band) pairs end there.
 
 use crate::bitmap::for_runs;
 use crate::cel::{Brush, Cel, Rows};
@@ -53,7 +53,9 @@ pub(crate) struct BandRenderer {
     clips: Vec<(ClipId, Arc<ClipBand>)>,
     /// The time of each stage, when it is taken.
     pub laps: Option<Laps>,
-    /// Shapes that were hidden before they were flattened, counted once a band.
+    /// Shapes, counted once for each band they may touch.
+    pub met: u64,
+    /// Those of them that were found hidden before anything was done for them.
     pub hidden: u64,
 }
 
@@ -72,6 +74,7 @@ impl BandRenderer {
             open: Vec::new(),
             clips: Vec::new(),
             laps: None,
+            met: 0,
             hidden: 0,
         }
     }
@@ -110,6 +113,7 @@ impl BandRenderer {
         let shape = &picture.scene.shapes[number as usize];
         let outline = &picture.outlines.shapes[number as usize];
         self.enter_group(picture, shape.group, rows);
+        self.met += 1;
         if self.is_hidden(outline.bounds, rows) {
             self.hidden += 1;
             return;

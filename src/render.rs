@@ -316,7 +316,7 @@ impl Renderer {
     }
 
     fn take_counts(&self) -> Vec<(&'static str, u64)> {
-        let mut sums = [0u64; 10];
+        let mut sums = [0u64; 11];
         for renderer in self.idle.lock().expect("no thread panicked").iter_mut() {
             let counts = std::mem::take(&mut renderer.resolver.counts);
             let coverer = &mut renderer.sweep.coverer;
@@ -330,6 +330,7 @@ impl Renderer {
                 std::mem::take(&mut coverer.cleaned),
                 std::mem::take(&mut coverer.sampled),
                 renderer.resolver.take_nodes(),
+                std::mem::take(&mut renderer.met),
                 std::mem::take(&mut renderer.hidden),
             ];
             sums.iter_mut().zip(all).for_each(|(sum, count)| *sum += count);
@@ -344,6 +345,7 @@ impl Renderer {
             "fragments_cleaned",
             "fragments_sampled",
             "split_nodes",
+            "shapes_in_bands",
             "hidden_shapes",
         ];
         names.into_iter().zip(sums).collect()
