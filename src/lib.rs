@@ -79,3 +79,8 @@ pub use scene::{FontSource, Limits, Options, Scene, Warning};
 pub use kurbo;
 /// The SVG parser whose trees [`Scene::from_tree`] takes.
 pub use usvg;
+
+/// README's example compiles and runs.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
