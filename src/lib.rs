@@ -19,7 +19,30 @@
 //! | [`pixmap`] | rows of pixels → [`Pixmap`] |
 //! | [`encode`] | rows of pixels → PNG |
 //! | [`mod@reference`] | the same drawing computed another way, slowly: the truth the tests compare with |
+//!
+//! # Example
+//!
+//! ```
+//! use toon_raster::{Options, Renderer, Scene, Settings, Viewport};
+//!
+//! # fn main() -> Result<(), toon_raster::Error> {
+//! let svg = br##"<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 3 2">
+//!     <path d="M0 0H1.5V2H0z" fill="#f80"/><path d="M3 0H1.5V2H3z" fill="#f80"/>
+//! </svg>"##;
+//! let scene = Scene::from_bytes(svg, &Options::default())?;
+//! for warning in scene.warnings() {
+//!     eprintln!("{} are not drawn: {}", warning.kind, warning.element);
+//! }
+//! let mut renderer = Renderer::new(Settings::default())?;
+//! let picture = renderer.render(&scene, &Viewport::fit(&scene, 3, 2))?;
+//! // Both halves of the middle pixel are orange, so it is orange: no seam.
+//! assert_eq!(picture.pixel(1, 0), [255, 136, 0, 255]);
+//! # Ok(())
+//! # }
+//! ```
 #![forbid(unsafe_code)]
+// The journey goes on in the private modules: `cargo doc --document-private-items` shows them.
+#![allow(rustdoc::private_intra_doc_links)]
 #![warn(missing_docs)]
 
 pub mod scene;
@@ -66,3 +89,8 @@ pub use scene::{FontSource, Limits, Options, Scene, Warning};
 pub use kurbo;
 /// The SVG parser whose trees [`Scene::from_tree`] takes.
 pub use usvg;
+
+/// README's example compiles and runs.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

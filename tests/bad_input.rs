@@ -165,18 +165,31 @@ fn a_device_that_never_ends_is_refused() {
     }
 }
 
+fn nested(depth: usize, tag: &str) -> String {
+    let (open, close) = (format!("<{tag}>").repeat(depth), "</g>".repeat(depth));
+    format!(r#"{open}<rect width="5" height="5"/>{close}"#)
+}
+
 #[test]
 fn nesting_is_refused_beyond_the_parser_s_depth_and_survived_up_to_it() {
-    let nested = |n: usize, tag: &str| {
-        format!("{}<rect width=\"5\" height=\"5\"/>{}", format!("<{tag}>").repeat(n), "</g>".repeat(n))
-    };
     assert_refused(&Made::svg("deep.svg", &nested(200_000, "g")).0, &[], "nested deeper");
-    assert_rendered(&Made::svg("deep-1000.svg", &nested(1_000, r#"g opacity=".99""#)).0);
+    assert_rendered(&Made::svg("deep-1000.svg", &nested(1_000, r#"g transform="translate(.01)""#)).0);
     let clipped = format!(
         r##"<clipPath id="c"><rect width="9" height="9"/></clipPath>{}"##,
         nested(1_000, r##"g clip-path="url(#c)""##)
     );
     assert_rendered(&Made::svg("deep-clips.svg", &clipped).0);
+}
+
+#[test]
+fn groups_with_opacity_are_refused_beyond_their_depth_and_survived_up_to_it() {
+    let deep = |depth: usize| nested(depth, r#"g opacity=".99""#);
+    assert_refused(&Made::svg("fading-1000.svg", &deep(1_000)).0, &[], "nested more than 256 deep");
+    assert_refused(&Made::svg("fading-257.svg", &deep(257)).0, &[], "nested more than 256 deep");
+    assert_rendered(&Made::svg("fading-256.svg", &deep(256)).0);
+    assert_rendered(&Made::svg("fading-200.svg", &deep(200)).0);
+    // The limit is on groups within groups, not on how many there are.
+    assert_rendered(&Made::svg("fading-beside.svg", &deep(100).repeat(20)).0);
 }
 
 #[test]

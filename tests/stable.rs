@@ -4,7 +4,7 @@ mod support;
 
 use std::time::{Duration, Instant};
 use support::*;
-use toon_raster::{Pixmap, Settings};
+use toon_raster::{Error, Options, Pixmap, Scene, Settings};
 
 /// Farthest a level may be off where hundreds of pieces cross in one pixel and the renderer may
 /// fall back from its recursion to samples.
@@ -738,7 +738,7 @@ fn absurd_coordinates_end_in_bounded_time_and_leave_the_other_shapes_alone() {
         "M0 0LNaN NaNL3 3Z",
         "M1e-40 1e-40L2e-40 0L0 1e-45Z",
         "M0 0C1e30 1e30 -1e30 1e30 1 1Z",
-        "M0 0A1e30 1e30 0 1 1 5 5Z",
+        "M0 0A1e8 1e8 0 1 1 5 5Z",
     ] {
         for attributes in [
             "",
@@ -751,6 +751,15 @@ fn absurd_coordinates_end_in_bounded_time_and_leave_the_other_shapes_alone() {
             assert!(started.elapsed() < PATIENCE, "{d} {attributes} took {:?}", started.elapsed());
             assert_eq!(picture.pixel(4, 4), [0, 255, 0, 255], "{d} {attributes}");
         }
+    }
+}
+
+#[test]
+fn an_arc_of_absurd_size_is_refused_as_a_limit() {
+    for d in ["M0 0A1e30 1e30 0 1 1 5 5Z", "M0 0A4 4 0 1 1 1e30 5Z"] {
+        let document = svg(8, 8, &path(d, "#f00", ""));
+        let refused = Scene::from_bytes(document.as_bytes(), &Options::default());
+        assert!(matches!(refused, Err(Error::Limit(_))), "{d}: {refused:?}");
     }
 }
 

@@ -104,7 +104,7 @@ struct PictureOptions {
     #[arg(long, value_name = "METHOD", default_value = "exact", value_parser = values::method)]
     aa: Method,
     /// Farthest a flattened curve may lie from the true one, in output pixels
-    #[arg(long, value_name = "F", default_value = "0.1", value_parser = values::tolerance)]
+    #[arg(long, value_name = "F", default_value_t = Settings::DEFAULT_TOLERANCE, value_parser = values::tolerance)]
     tolerance: f64,
     /// Mix edges in linear light (opacity still composites as SVG says)
     #[arg(long)]

@@ -106,7 +106,7 @@ fn one(
     job.options.usvg.resources_dir = job.resources_dir.clone().or_else(|| folder_of(source));
 
     let parsing = Instant::now();
-    let tree = load::tree_from_bytes(&bytes, &job.options)?;
+    let (tree, unmatched) = load::tree_and_warnings(&bytes, &job.options)?;
     drop(bytes);
     let viewport = size::viewport(&tree, &job.part, job.fit, job.max_pixels)?;
     let scene = match &job.part {
@@ -116,6 +116,7 @@ fn one(
     drop(tree);
     let parse = parsing.elapsed();
     report::warnings(&source.name(), scene.warnings(), job.voice);
+    report::warnings(&source.name(), &unmatched, job.voice);
 
     let renderer = match renderer {
         Some(renderer) => renderer,

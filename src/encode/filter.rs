@@ -1,10 +1,11 @@
 //! Takes a row of pixels and the row above, makes the row as PNG's compressor is to see it: filtered
 //! by one of PNG's filters, chosen by what flat art is made of.
 //!
-//! Most rows of flat art are runs of one colour, much like the row above. Such a row goes as it is, or
-//! as its difference to the row above, whichever changes fewer pixels: two counts, and no arithmetic
-//! on the bytes. Only in rows where both change many pixels (gradients) are the differences to the left
-//! and to the row above weighed, as is usual; PNG's other two filters gained less than 1% on them.
+//! Rows of flat art are runs of one colour, much like the row above. Such a row goes as its difference
+//! to the row above: nearly all zeros. Choosing between that and the row as it is, by what changes fewer
+//! pixels, made files larger (up to 1.3 times), for the compressor finds rows again that are filtered
+//! alike. Only in rows where many pixels differ both from the left and from above (gradients) are the two
+//! differences weighed, as is usual; PNG's other two filters gained less than 1% on them.
 
 /// A row counts as a gradient if more than one in so many of its pixels differ from their neighbours.
 const GRADIENT: usize = 8;
@@ -18,7 +19,6 @@ pub(super) struct Filter {
 /// A filter, by PNG's number for it.
 #[derive(Clone, Copy)]
 enum Kind {
-    None = 0,
     /// Each byte minus that of the pixel to the left.
     Left = 1,
     /// Each byte minus that of the pixel above.
@@ -37,7 +37,6 @@ impl Filter {
         out.clear();
         out.push(kind as u8);
         match kind {
-            Kind::None => out.extend_from_slice(row),
             Kind::Left => {
                 let (first, rest) = row.split_at(self.bytes_per_pixel);
                 out.extend_from_slice(first);
@@ -55,18 +54,11 @@ impl Filter {
             _ => (changes::<3>(shifted, row), changes::<3>(row, &self.above)),
         };
         let pixels = row.len() / self.bytes_per_pixel;
-        if across.min(down) > pixels / GRADIENT {
-            let left = distance(shifted, row);
-            let above = distance(row, &self.above);
-            if left < above {
-                Kind::Left
-            } else {
-                Kind::Above
-            }
-        } else if down <= across {
-            Kind::Above
+        let is_gradient = across.min(down) > pixels / GRADIENT;
+        if is_gradient && distance(shifted, row) < distance(row, &self.above) {
+            Kind::Left
         } else {
-            Kind::None
+            Kind::Above
         }
     }
 }

@@ -26,8 +26,8 @@ pub enum Effort {
 impl Effort {
     /// zlib's level. The one for flat art is the lowest at which no file of the samples is more than
     /// 1.25 times what the `png` crate makes by default. Time and size relative to that, for 29
-    /// pictures 2,048 pixels wide (size: geometric mean, largest): level 1 takes .27, 2.31, 7.7;
-    /// 2: .34, 1.11, 1.53; 3: .42, 1.06, 1.38; 4: .50, 1.04, 1.25.
+    /// pictures 2,048 pixels wide (size: geometric mean, largest): level 2 takes .40, 1.11, 1.56;
+    /// 3: .44, 1.09, 1.36; 4: .51, 1.08, 1.24; 5: .67, 1.05, 1.22.
     fn level(self) -> u32 {
         match self {
             Effort::Fast => 1,

@@ -64,7 +64,7 @@ impl Cuts {
         self.cuts.extend([(i, y, x), (j, y, x)]);
     }
 
-    /// Puts the cuts in order; [`Cuts::parts`] may be called for the pieces from the first to the last.
+    /// Puts the cuts in order; [`SortedCuts::parts`] may be called for the pieces from the first to the last.
     pub fn sorted(&mut self) -> SortedCuts<'_> {
         self.cuts.sort_unstable();
         SortedCuts { rest: &self.cuts }

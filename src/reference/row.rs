@@ -24,7 +24,7 @@ pub(super) struct PaintedRow {
 pub(super) struct Rows<'a> {
     segments: &'a [Segment],
     numbers: Vec<u32>,
-    /// Row y has numbers[starts[y]..starts[y + 1]].
+    /// Row y has `numbers[starts[y]..starts[y + 1]]`.
     starts: Vec<usize>,
 }
 

@@ -106,8 +106,8 @@ impl Walk {
         }
         if place.depth == DEEPEST_GROUP {
             return Err(Error::Limit(format!(
-                "groups with opacity are nested more than {DEEPEST_GROUP} deep at element '{}' (flatten them)",
-                group.id()
+                "groups with opacity are nested more than {DEEPEST_GROUP} deep at {} (flatten them)",
+                self.name(group.id())
             )));
         }
         let (first_shape, first_group) = (self.shapes.len(), self.groups.len());
@@ -234,12 +234,16 @@ impl Walk {
             warning.count += 1;
             return;
         }
-        let element = if id.is_empty() {
-            format!("an element without id, behind {} drawn shapes", self.shapes.len())
-        } else {
-            format!("element '{id}'")
-        };
+        let element = self.name(id);
         self.warnings.push(Warning { kind, element, count: 1 });
+    }
+
+    /// What messages call the element where the walk stands.
+    fn name(&self, id: &str) -> String {
+        match id {
+            "" => format!("an element without id, behind {} drawn shapes", self.shapes.len()),
+            _ => format!("element '{id}'"),
+        }
     }
 }
 

@@ -10,8 +10,8 @@ mod decode;
 mod guard;
 mod links;
 
-use crate::{Error, Options};
-use std::sync::{Arc, OnceLock};
+use crate::{Error, Options, Warning};
+use std::sync::{Arc, Mutex, OnceLock};
 use usvg::roxmltree;
 
 /// Namespace of SVG elements.
@@ -90,13 +90,30 @@ impl Default for FontSource {
 /// [`Error::Parse`] when the bytes are not SVG, [`Error::Size`] when the drawing has no size,
 /// [`Error::Limit`] when it asks for more than the options' [`Limits`].
 pub fn tree_from_bytes(bytes: &[u8], options: &Options) -> Result<usvg::Tree, Error> {
+    tree_and_warnings(bytes, options).map(|(tree, _)| tree)
+}
+
+/// The same, and what is not in the tree because no font for it was found.
+///
+/// # Errors
+/// As [`tree_from_bytes`].
+pub fn tree_and_warnings(bytes: &[u8], options: &Options) -> Result<(usvg::Tree, Vec<Warning>), Error> {
+    let unmatched = Mutex::default();
+    let tree = read_tree(bytes, options, &unmatched)?;
+    Ok((tree, unmatched.into_inner().unwrap_or_default()))
+}
+
+/// Text whose font families no font matches.
+type Unmatched = Mutex<Vec<Warning>>;
+
+fn read_tree(bytes: &[u8], options: &Options, unmatched: &Unmatched) -> Result<usvg::Tree, Error> {
     let mut text = decode::text(bytes, options.limits.bytes)?;
     decode::check_entities(&text, options.limits.bytes)?;
     for _ in 0..ROUNDS {
         let xml = parse_xml(&text)?;
         let census = guard::check(&xml, options.usvg.style_sheet.as_deref(), &options.limits)?;
         if census.circles.is_empty() {
-            return tree_from_xml(&xml, &census, options);
+            return tree_from_xml(&xml, &census, options, unmatched);
         }
         log::warn!("elements draw each other in circles: {} links are cut", census.circles.len());
         text = guard::cut(&text, &census.circles).into();
@@ -116,8 +133,9 @@ fn tree_from_xml(
     xml: &roxmltree::Document,
     census: &guard::Census,
     options: &Options,
+    unmatched: &Unmatched,
 ) -> Result<usvg::Tree, Error> {
-    let usvg_options = usvg_options(options, census.has_text);
+    let usvg_options = usvg_options(options, census.has_text, unmatched);
     let parse = || parse_guarded(xml, &usvg_options);
     if census.depth <= SHALLOW {
         return parse();
@@ -173,7 +191,7 @@ fn parser_failed(panic: &(dyn std::any::Any + Send)) -> Error {
 }
 
 /// The caller's options for usvg, with fonts if they are needed and with images left closed.
-fn usvg_options(options: &Options, has_text: bool) -> usvg::Options<'_> {
+fn usvg_options<'a>(options: &'a Options, has_text: bool, unmatched: &'a Unmatched) -> usvg::Options<'a> {
     let given = &options.usvg;
     let fontdb =
         if has_text && given.fontdb.is_empty() { options.fonts.database() } else { given.fontdb.clone() };
@@ -189,12 +207,29 @@ fn usvg_options(options: &Options, has_text: bool) -> usvg::Options<'_> {
         default_size: given.default_size,
         image_href_resolver: closed_images(),
         font_resolver: usvg::FontResolver {
-            select_font: Box::new(|font, fonts| (given.font_resolver.select_font)(font, fonts)),
+            select_font: Box::new(|font, fonts| {
+                let found = (given.font_resolver.select_font)(font, fonts);
+                if found.is_none() {
+                    note_unmatched(font, unmatched);
+                }
+                found
+            }),
             select_fallback: Box::new(|c, used, fonts| (given.font_resolver.select_fallback)(c, used, fonts)),
         },
         fontdb,
         style_sheet: given.style_sheet.clone(),
     }
+}
+
+fn note_unmatched(font: &usvg::Font, unmatched: &Unmatched) {
+    let Ok(mut warnings) = unmatched.lock() else { return };
+    if let Some(warning) = warnings.first_mut() {
+        warning.count += 1;
+        return;
+    }
+    let families: Vec<String> = font.families().iter().map(ToString::to_string).collect();
+    let element = format!("text in font-family {}", families.join(", "));
+    warnings.push(Warning { kind: "texts without a font", element, count: 1 });
 }
 
 /// Keeps image elements in the tree without opening a file, a nested SVG or a decoder: a link may

@@ -32,7 +32,8 @@ pub struct Options {
 /// Something in the drawing which is not drawn as SVG says.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Warning {
-    /// What is left out, in the plural: `masks`, `filters`, `patterns`, `images`, `blend modes`.
+    /// What is left out, in the plural: `masks`, `filters`, `patterns`, `images`, `blend modes`,
+    /// `clipped miter joins`, `texts without a font`.
     pub kind: &'static str,
     /// The first element that has it: its `id`, or where it stands when it has none.
     pub element: String,
@@ -137,7 +138,10 @@ impl Scene {
     /// # Errors
     /// As [`load::tree_from_bytes`] and [`Scene::from_tree`].
     pub fn from_bytes(bytes: &[u8], options: &Options) -> Result<Scene, Error> {
-        Scene::from_tree(&load::tree_from_bytes(bytes, options)?)
+        let (tree, warnings) = load::tree_and_warnings(bytes, options)?;
+        let mut scene = Scene::from_tree(&tree)?;
+        scene.warnings.extend(warnings);
+        Ok(scene)
     }
 
     /// Takes a tree that usvg has parsed already.
