@@ -15,10 +15,10 @@ use crate::scene::FillRule;
 use crate::strips::{Piece, NO_PIECE};
 
 /// More pieces than this are left to the integrator.
-const MOST_PIECES: usize = 64;
+const MOST_PIECES: usize = 128;
 
 /// Pieces cut more often than this are left to the integrator.
-const MOST_CUTS: usize = 64;
+const MOST_CUTS: usize = 160;
 
 /// A piece of one of the fragments.
 #[derive(Clone, Copy, Debug)]

@@ -24,7 +24,7 @@ use crate::edges::ONE;
 const ON_BORDER: f64 = 1e-3;
 
 /// Pieces held against regions, in one pixel, before the integrator gives up.
-const MOST_WORK: usize = 60_000;
+const MOST_WORK: usize = 30_000;
 
 /// Fragments that can be told apart in one pixel.
 pub(crate) const MOST_LEAVES: usize = 64;
