@@ -128,9 +128,9 @@ impl BandRenderer {
             }
         };
         self.lap(|_| None);
-        let bounds = self.fill_buckets(picture, band, outline, rows);
-        self.lap(|laps| Some(&mut laps.strips));
         let depth = self.open.len() - 1;
+        let bounds = self.fill_buckets(picture, band, outline, depth, rows);
+        self.lap(|laps| Some(&mut laps.strips));
         let (cel, entries, nodes) = (&mut self.cels[depth], &mut self.entries, &mut self.nodes);
         let top = rows.top;
         let style = (outline.rule, outline.crisp);
@@ -158,17 +158,19 @@ impl BandRenderer {
         places(bounds, rows).all(|(row, (left, right))| finished.all_set(row, left, right))
     }
 
-    /// Files an outline's edges in the x-buckets, and tells where they lie.
+    /// Files an outline's edges in the x-buckets, but for pixels finished in the cel of this depth, and
+    /// tells where they lie.
     fn fill_buckets(
         &mut self,
         picture: &Picture,
         band: usize,
         outline: &PlacedOutline,
+        depth: usize,
         rows: &Rows,
     ) -> Bounds {
         let edges = outline.edges(&mut self.flattener, &mut self.edges, picture.to_pixels, picture.tolerance);
         self.lap(|laps| Some(&mut laps.flatten));
-        let finished = &self.cels[self.open.len() - 1].finished;
+        let finished = &self.cels[depth].finished;
         for edge in edges.band(band) {
             self.buckets.add(edge, rows.top, rows.count, finished, &mut self.pieces);
         }
@@ -221,7 +223,8 @@ impl BandRenderer {
                 continue;
             }
             let within = member.clip.map(|inner| self.clip(picture, band, inner, rows));
-            let bounds = self.fill_buckets(picture, band, outline, rows);
+            // What is finished in a group may still want the clip outside it.
+            let bounds = self.fill_buckets(picture, band, outline, 0, rows);
             let style = (outline.rule, outline.crisp);
             for place in places(bounds, rows) {
                 let row = place.0;

@@ -1,7 +1,7 @@
 //! Takes the x-buckets of one shape in one row, makes solid runs and fragments, from left to right.
 
 use crate::edges::FRACTION_BITS;
-use crate::pixel::fragment::{cover_of_centre, Cover, Coverer, Fragment};
+use crate::pixel::fragment::{Cover, Coverer, Fragment};
 use crate::scene::FillRule;
 use crate::strips::{Buckets, Piece, NO_PIECE};
 
@@ -41,7 +41,7 @@ impl Sweep {
         buckets.drain_row(row, columns, |x, cell| {
             if cell.pieces != NO_PIECE {
                 let here = if crisp {
-                    cover_of_centre(cell, cover_left, rule, pieces)
+                    self.coverer.cover_of_centre(cell, cover_left, rule, pieces)
                 } else {
                     self.coverer.cover(cell, cover_left, rule, pieces)
                 };

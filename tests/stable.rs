@@ -971,3 +971,23 @@ fn the_bytes_do_not_depend_on_threads() {
         assert_same_bytes(&many, &one, &format!("{threads} threads"));
     }
 }
+
+#[test]
+fn a_clip_shared_by_a_group_and_what_lies_behind_it_clips_both() {
+    let clip = |id: &str| format!("<clipPath id=\"{id}\"><circle cx=\"8\" cy=\"8\" r=\"6.3\"/></clipPath>");
+    let drawing = |behind: &str| {
+        format!(
+            "{}{}<rect width=\"16\" height=\"16\" fill=\"#c20\" clip-path=\"url(#{behind})\"/>\
+             <g opacity=\".5\"><rect width=\"16\" height=\"16\" fill=\"#0a0\" clip-path=\"url(#a)\"/>\
+             <rect x=\"2.5\" width=\"6\" height=\"16\" fill=\"#00f\"/></g>",
+            clip("a"),
+            clip("b"),
+        )
+    };
+    let shared = render(&svg(16, 16, &drawing("a")));
+    let apart = render(&svg(16, 16, &drawing("b")));
+    assert_same_bytes(&shared, &apart, "one clip for both");
+    // Blue at half opacity over red, inside the circle; green over red beside the bar.
+    assert_levels(shared.pixel(5, 8), [102.0, 17.0, 127.5, 255.0], STRAIGHT);
+    assert_levels(shared.pixel(11, 8), [102.0, 102.0, 0.0, 255.0], STRAIGHT);
+}

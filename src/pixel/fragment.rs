@@ -52,17 +52,6 @@ pub(crate) enum Cover {
     Part(Fragment),
 }
 
-/// Is the shape in the pixel, when it is not anti-aliased? The pixel is where its centre is.
-pub(crate) fn cover_of_centre(cell: Cell, cover_left: i32, rule: FillRule, pieces: &[Piece]) -> Cover {
-    let mut outline = PieceSet::default();
-    outline.gather(cell.pieces, cover_left, pieces);
-    if rule.inside(outline.winding_at_half_units(ONE, ONE)) {
-        Cover::Full
-    } else {
-        Cover::Empty
-    }
-}
-
 /// Finds covers; keeps its buffers from one pixel to the next.
 #[derive(Default)]
 pub(crate) struct Coverer {
@@ -83,6 +72,22 @@ impl Coverer {
             return part(two_valued(total, rule), cell.pieces, cover_left, rule, true);
         }
         self.cover_of_many(cell.pieces, total, cover_left, rule, pieces)
+    }
+
+    /// The cover of a pixel of a shape that is not anti-aliased: the pixel is where its centre is.
+    pub fn cover_of_centre(
+        &mut self,
+        cell: Cell,
+        cover_left: i32,
+        rule: FillRule,
+        pieces: &[Piece],
+    ) -> Cover {
+        self.set.gather(cell.pieces, cover_left, pieces);
+        if rule.inside(self.set.winding_at_half_units(ONE, ONE)) {
+            Cover::Full
+        } else {
+            Cover::Empty
+        }
     }
 
     fn cover_of_many(

@@ -5,6 +5,7 @@ use super::paint::{Gradient, GradientShape, Paint, Spread, Stop};
 use super::{Clip, ClipId, ClipMember, FillRule, Geometry, Group, GroupId, Outline, Scene, Shape, Warning};
 use crate::Error;
 use kurbo::{Affine, Rect, Size};
+use std::collections::HashMap;
 use std::sync::Arc;
 
 /// Opacity groups nested deeper than this are refused: each open one holds a strip of the picture.
@@ -59,6 +60,8 @@ struct Place {
 struct Walk {
     shapes: Vec<Shape>,
     clips: Vec<Clip>,
+    /// By the element in usvg's tree, the transform where it applies, and the clip outside it.
+    known_clips: HashMap<(usize, [u64; 6], Option<ClipId>), ClipId>,
     groups: Vec<Group>,
     warnings: Vec<Warning>,
 }
@@ -66,7 +69,13 @@ struct Walk {
 impl Default for Walk {
     fn default() -> Self {
         let picture = Group { parent: 0, opacity: 1.0 };
-        Walk { shapes: Vec::new(), clips: Vec::new(), groups: vec![picture], warnings: Vec::new() }
+        Walk {
+            shapes: Vec::new(),
+            clips: Vec::new(),
+            known_clips: HashMap::new(),
+            groups: vec![picture],
+            warnings: Vec::new(),
+        }
     }
 }
 
@@ -185,12 +194,20 @@ impl Walk {
         (!paint.is_invisible()).then_some(paint)
     }
 
+    /// The clip's number. Where the same one applies to many elements, as plotting programs write it,
+    /// they share it.
     fn clip(&mut self, clip: &usvg::ClipPath, transform: Affine, outer: Option<ClipId>) -> ClipId {
+        let key = (std::ptr::from_ref(clip) as usize, transform.as_coeffs().map(f64::to_bits), outer);
+        if let Some(&known) = self.known_clips.get(&key) {
+            return known;
+        }
         let own = clip.clip_path().map(|own| self.clip(own, transform, None));
         let mut members = Vec::new();
         self.clip_members(clip.root(), transform * affine(clip.transform()), None, &mut members);
         self.clips.push(Clip { members, within: outer.into_iter().chain(own).collect() });
-        (self.clips.len() - 1) as ClipId
+        let number = (self.clips.len() - 1) as ClipId;
+        self.known_clips.insert(key, number);
+        number
     }
 
     fn clip_members(
