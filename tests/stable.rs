@@ -4,7 +4,8 @@ mod support;
 
 use std::time::{Duration, Instant};
 use support::*;
-use toon_raster::{Error, Options, Pixmap, Scene, Settings};
+use toon_raster::reference;
+use toon_raster::{Error, Options, Pixmap, Scene, Settings, Viewport};
 
 /// Farthest a level may be off where hundreds of pieces cross in one pixel and the renderer may
 /// fall back from its recursion to samples.
@@ -990,4 +991,40 @@ fn a_clip_shared_by_a_group_and_what_lies_behind_it_clips_both() {
     // Blue at half opacity over red, inside the circle; green over red beside the bar.
     assert_levels(shared.pixel(5, 8), [102.0, 17.0, 127.5, 255.0], STRAIGHT);
     assert_levels(shared.pixel(11, 8), [102.0, 102.0, 0.0, 255.0], STRAIGHT);
+}
+
+#[test]
+fn gradients_that_fade_within_a_pixel_show_what_lies_behind_them() {
+    let mut rng = Rng::new(77);
+    for round in 0..20 {
+        let mut body = String::from("<rect width=\"12\" height=\"12\" fill=\"#fff\"/>");
+        for i in 0..8 {
+            // From opaque to clear over a third of a pixel, somewhere on the way.
+            let at = rng.on_grid(1.0, 11.0);
+            let kind = if i % 2 == 0 {
+                format!(
+                    "<linearGradient id=\"g{i}\" gradientUnits=\"userSpaceOnUse\" x1=\"{at}\" x2=\"{}\">",
+                    at + 0.3
+                )
+            } else {
+                format!("<radialGradient id=\"g{i}\" gradientUnits=\"userSpaceOnUse\" cx=\"{at}\" cy=\"6\" r=\".4\">")
+            };
+            let colour = hex(rng.colour());
+            let end = if i % 2 == 0 { "linear" } else { "radial" };
+            body += &format!(
+                "{kind}<stop stop-color=\"{colour}\"/><stop offset=\"1\" stop-color=\"{colour}\" \
+                 stop-opacity=\"0\"/></{end}Gradient>"
+            );
+            let corners: Vec<Point> = (0..3).map(|_| rng.point(-1.0, 13.0)).collect();
+            body += &path(&ring(&corners), &format!("url(#g{i})"), "");
+        }
+        let document = svg(12, 12, &body);
+        let picture = render(&document);
+        let tree = usvg::Tree::from_str(&document, &usvg::Options::default()).expect("the test's own SVG");
+        let viewport = Viewport { width: 12, height: 12, transform: kurbo::Affine::IDENTITY };
+        let truth = reference::render(&tree, &viewport, &reference::Options::default()).expect("it is small");
+        // Both take a gradient at one point of each region, and not of the same regions.
+        let mean = truth.compare(&picture).mean;
+        assert!(mean < 3.0, "round {round}: {mean} levels off in the mean");
+    }
 }

@@ -214,7 +214,7 @@ impl Resolver {
 
     /// The colour of a region of which it is known whether it lies inside each fragment.
     fn sheet_of(&self, inside: impl Fn(usize) -> bool, place: Place) -> Sheet {
-        let sheet = self.compose(&|leaf| Some(inside(leaf)), place.middle(), place.around);
+        let sheet = self.compose(&|leaf| Some(inside(leaf)), Some(place.middle()), place.around);
         sheet.expect("every fragment is known")
     }
 
@@ -242,10 +242,11 @@ impl Resolver {
                 move |leaf| (known.known >> leaf & 1 != 0).then_some(known.inside >> leaf & 1 != 0)
             };
             done = integrator.integrate(
-                |known| self.compose(&is_known(known), place.middle(), place.around).err(),
+                |known| self.compose(&is_known(known), None, place.around).err(),
                 |known, area, corners| {
                     let at = centroid(corners).filter(|_| self.has_gradient).map(|c| place.point(c));
-                    let sheet = self.compose(&is_known(known), at.unwrap_or(place.middle()), place.around);
+                    let at = at.unwrap_or(place.middle());
+                    let sheet = self.compose(&is_known(known), Some(at), place.around);
                     mean.add(sheet.expect("the integrator knows what was wanted"), area, linear);
                 },
             );
@@ -327,7 +328,7 @@ impl Resolver {
         let mut mean = Mean::default();
         sampler.sample(|inside, area, middle| {
             let known = |leaf: usize| Some(inside[leaf / 64] >> (leaf % 64) & 1 != 0);
-            let sheet = self.compose(&known, place.point(middle), place.around);
+            let sheet = self.compose(&known, Some(place.point(middle)), place.around);
             mean.add(sheet.expect("every fragment is known"), area, place.around.linear);
         });
         mean
@@ -335,11 +336,12 @@ impl Resolver {
 
     /// Composites the items over a region, front to back. `known` says whether the region lies inside
     /// a fragment; the first one that matters and is not known is the error. Gradients are taken at a
-    /// point, in pixels.
+    /// point, in pixels. Without one they are opaque only if they are so everywhere, so that whatever
+    /// could matter at some point is asked for.
     fn compose(
         &self,
         known: &impl Fn(usize) -> Option<bool>,
-        at: (f64, f64),
+        at: Option<(f64, f64)>,
         around: &Surroundings,
     ) -> Result<Sheet, usize> {
         let mut front = Sheet::CLEAR;
@@ -366,7 +368,10 @@ impl Resolver {
                 Item::Gradient(shape, formula) => {
                     if self.holds(formula, known)? {
                         let shader = around.shaders[shape as usize].as_ref().expect("gradients have shaders");
-                        front = front.over(shader.at(at.0, at.1));
+                        front = front.over(match at {
+                            Some((x, y)) => shader.at(x, y),
+                            None => shader.least(),
+                        });
                     }
                 }
             }

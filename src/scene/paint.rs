@@ -277,7 +277,7 @@ impl Shader<'_> {
     /// The colour at a point in pixels; clear where a radial gradient has none.
     pub fn at(&self, x: f64, y: f64) -> Sheet {
         let Some(t) = self.parameter(self.to_plane * Point::new(x, y)) else {
-            return Sheet::CLEAR;
+            return self.least();
         };
         let t = match self.gradient.spread {
             Spread::Pad => t.clamp(0.0, 1.0),
@@ -286,6 +286,16 @@ impl Shader<'_> {
         };
         let [r, g, b, alpha] = self.gradient.color(t as f32);
         Sheet::new([r, g, b], alpha)
+    }
+
+    /// A sheet that lets no less light through than the gradient does anywhere.
+    pub fn least(&self) -> Sheet {
+        if self.gradient.opaque {
+            let [r, g, b, _] = self.gradient.color(1.0);
+            Sheet::new([r, g, b], 1.0)
+        } else {
+            Sheet::CLEAR
+        }
     }
 
     /// The parameter at a point of the gradient's plane: for circles the greatest t with a radius
