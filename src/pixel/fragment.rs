@@ -57,6 +57,7 @@ pub(crate) enum Cover {
 pub(crate) struct Coverer {
     set: PieceSet,
     cleaner: Cleaner,
+    sampler: Sampler,
     /// Fragments that crossed themselves, and those of them that had to be sampled.
     pub cleaned: u64,
     pub sampled: u64,
@@ -113,10 +114,10 @@ impl Coverer {
             );
         }
         self.sampled += 1;
-        let mut sampler = Sampler::default();
-        sampler.add(&self.set, rule);
+        self.sampler.clear();
+        self.sampler.add(&self.set, rule);
         let mut area = 0;
-        sampler.sample(|bits, share, _| area += share * (bits[0] & 1) as i64);
+        self.sampler.sample(|bits, share, _| area += share * (bits[0] & 1) as i64);
         part((area, 0), last, cover_left, rule, false)
     }
 }
