@@ -10,6 +10,7 @@ use crate::bitmap::for_runs;
 use crate::cel::{Brush, Cel, Rows};
 use crate::clip::{clipped, ClipBand, Clipped};
 use crate::edges::{Bounds, EdgeList, BAND_ROWS};
+use crate::methods::BandPainter;
 use crate::outlines::{BandLists, Outlines, PlacedOutline};
 use crate::pixel::resolve::{Node, Resolver, Surroundings};
 use crate::polygons::Flattener;
@@ -44,19 +45,19 @@ pub(crate) struct BandRenderer {
     pieces: Vec<Piece>,
     nodes: Vec<Node>,
     entries: Vec<Entry>,
-    pub sweep: Sweep,
-    pub resolver: Resolver,
+    sweep: Sweep,
+    resolver: Resolver,
     /// The picture's cel, and one for each open group.
     cels: Vec<Cel>,
     /// The groups that are open, from the picture inwards.
     open: Vec<GroupId>,
     clips: Vec<(ClipId, Arc<ClipBand>)>,
     /// The time of each stage, when it is taken.
-    pub laps: Option<Laps>,
+    laps: Option<Laps>,
     /// Shapes, counted once for each band they may touch.
-    pub met: u64,
+    met: u64,
     /// Those of them that were found hidden before anything was done for them.
-    pub hidden: u64,
+    hidden: u64,
 }
 
 impl BandRenderer {
@@ -77,24 +78,6 @@ impl BandRenderer {
             met: 0,
             hidden: 0,
         }
-    }
-
-    /// Renders band number `band` into `rows`.
-    pub fn render(&mut self, picture: &Picture, band: usize, mut rows: Rows) {
-        self.pieces.clear();
-        self.nodes.clear();
-        self.entries.clear();
-        self.clips.clear();
-        self.open.clear();
-        self.open.push(0);
-        self.cels[0].clear();
-        for &shape in picture.bands.band(band) {
-            self.shape(picture, band, shape, &mut rows);
-        }
-        self.close_groups(1, &rows);
-        self.lap(|_| None);
-        self.finish(picture, rows);
-        self.lap(|laps| Some(&mut laps.resolve));
     }
 
     /// Adds the time since the last lap to a stage, or leaves it out.
@@ -284,6 +267,51 @@ impl BandRenderer {
                 });
             }
         }
+    }
+}
+
+impl BandPainter for BandRenderer {
+    fn render(&mut self, picture: &Picture, band: usize, mut rows: Rows) {
+        self.pieces.clear();
+        self.nodes.clear();
+        self.entries.clear();
+        self.clips.clear();
+        self.open.clear();
+        self.open.push(0);
+        self.cels[0].clear();
+        for &shape in picture.bands.band(band) {
+            self.shape(picture, band, shape, &mut rows);
+        }
+        self.close_groups(1, &rows);
+        self.lap(|_| None);
+        self.finish(picture, rows);
+        self.lap(|laps| Some(&mut laps.resolve));
+    }
+
+    fn time_stages(&mut self) {
+        self.laps.get_or_insert_default();
+    }
+
+    fn take_laps(&mut self) -> Laps {
+        self.laps.take().unwrap_or_default()
+    }
+
+    fn take_counts(&mut self) -> Vec<(&'static str, u64)> {
+        let counts = std::mem::take(&mut self.resolver.counts);
+        let coverer = &mut self.sweep.coverer;
+        vec![
+            ("pixels_one_fragment", counts.one_fragment),
+            ("pixels_tiled", counts.tiled),
+            ("pixels_paired", counts.paired),
+            ("pixels_along_borders", counts.along_borders),
+            ("pixels_split", counts.split),
+            ("pixels_sampled", counts.sampled),
+            ("fragments_cleaned", std::mem::take(&mut coverer.cleaned)),
+            ("fragments_sampled", std::mem::take(&mut coverer.sampled)),
+            ("split_nodes", self.resolver.take_nodes()),
+            ("shapes_in_bands", std::mem::take(&mut self.met)),
+            ("hidden_shapes", std::mem::take(&mut self.hidden)),
+        ]
     }
 }
 

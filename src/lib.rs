@@ -6,6 +6,7 @@
 //! |---|---|
 //! | [`scene`] | SVG bytes → [`Scene`]: depth-ordered shapes, their paint, clips and groups |
 //! | [`render`] | [`Scene`] + [`Viewport`] + [`Settings`] → pixel rows; the only file that knows the order of the stages |
+//! | [`methods`] | which way of anti-aliasing → who paints |
 //! | `outlines` | scene + viewport → outlines with bounds, sorted into bands; flattened when first needed |
 //! | `pen`, `polygons` | strokes → outlines; curves → chords |
 //! | `edges` | polygons → edges in fixed point, sorted in y |
@@ -49,6 +50,8 @@ pub mod scene;
 
 pub mod render;
 
+pub mod methods;
+
 mod outlines;
 
 mod pen;
@@ -81,8 +84,9 @@ pub mod reference;
 mod bitmap;
 
 pub use error::Error;
+pub use methods::Method;
 pub use pixmap::Pixmap;
-pub use render::{Method, Renderer, Settings, Stages, Viewport};
+pub use render::{Renderer, Settings, Stages, Viewport};
 pub use scene::{FontSource, Limits, Options, Scene, Warning};
 
 /// The geometry types of the public interface ([`kurbo::Affine`] and friends).

@@ -6,9 +6,10 @@
 //! ([`crate::sweep`]), keep what is seen in z-lists ([`crate::cel`]), and resolve those
 //! ([`crate::pixel`]). Bands come out from the top.
 
-use crate::band::{band_count, BandRenderer, Laps, Picture};
+use crate::band::{band_count, Laps, Picture};
 use crate::cel::Rows;
 use crate::edges::{BAND_ROWS, LARGEST_SIDE};
+use crate::methods::{painter, BandPainter, Method, Painter, PicturePainter};
 use crate::outlines::{BandLists, Outlines};
 use crate::pixel::resolve::Surroundings;
 use crate::scene::paint::{Paint, Sheet};
@@ -16,16 +17,6 @@ use crate::{Error, Pixmap, Scene};
 use rayon::prelude::*;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
-
-/// A way of anti-aliasing.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Method {
-    /// The exact visible area of every colour in every pixel (Catmull 1978).
-    #[default]
-    Exact,
-    /// Jagged: a pixel has the colour seen at its centre.
-    None,
-}
 
 /// How a picture is made.
 #[derive(Clone, Debug)]
@@ -99,8 +90,8 @@ pub struct Renderer {
     settings: Settings,
     /// `None` with one thread.
     pool: Option<rayon::ThreadPool>,
-    /// Idle band renderers for pictures of this size.
-    idle: Mutex<Vec<BandRenderer>>,
+    /// Idle painters for pictures of this size.
+    idle: Mutex<Vec<Box<dyn BandPainter>>>,
     size: (u32, u32),
     stages: Stages,
 }
@@ -117,6 +108,7 @@ impl Renderer {
                 settings.tolerance
             )));
         }
+        painter(settings.method, 1, 1)?;
         let threads = match settings.threads {
             0 => std::thread::available_parallelism().map_or(1, usize::from),
             threads => threads,
@@ -164,6 +156,9 @@ impl Renderer {
         if stride < row || buffer.len() < needed {
             return Err(Error::Buffer { width, height, needed, given: buffer.len() });
         }
+        if let Some(paint) = self.picture_painter(viewport) {
+            return self.whole(paint, scene, viewport, buffer, stride);
+        }
         let bands = band_count(height);
         self.prepare(scene, viewport, |renderer, picture, _| {
             renderer.bands(picture, height, 0..bands, buffer, stride);
@@ -184,6 +179,9 @@ impl Renderer {
     ) -> Result<(), Error> {
         check(viewport)?;
         let Viewport { width, height, .. } = *viewport;
+        if self.picture_painter(viewport).is_some() {
+            return sink(self.render(scene, viewport)?.data());
+        }
         let stride = width as usize * Pixmap::BYTES_PER_PIXEL;
         let at_once = 4 * self.pool.as_ref().map_or(1, rayon::ThreadPool::current_num_threads);
         let bands = band_count(height);
@@ -205,6 +203,33 @@ impl Renderer {
         &self.stages
     }
 
+    /// Who paints the picture if the method needs it whole.
+    fn picture_painter(&self, viewport: &Viewport) -> Option<PicturePainter> {
+        match painter(self.settings.method, viewport.width, viewport.height) {
+            Ok(Painter::Picture(paint)) => Some(paint),
+            _ => None,
+        }
+    }
+
+    /// Paints a picture whole.
+    fn whole(
+        &mut self,
+        paint: PicturePainter,
+        scene: &Scene,
+        viewport: &Viewport,
+        buffer: &mut [u8],
+        stride: usize,
+    ) -> Result<(), Error> {
+        let start = Instant::now();
+        let mut paint = || paint(scene, viewport, &self.settings, buffer, stride);
+        match &self.pool {
+            Some(pool) => pool.install(paint)?,
+            None => paint()?,
+        }
+        self.stages = Stages { times: vec![("picture", start.elapsed())], counts: Vec::new() };
+        Ok(())
+    }
+
     /// Places the scene's outlines, then calls `part` until it no longer says from which band on there
     /// is more to do.
     fn prepare(
@@ -215,7 +240,7 @@ impl Renderer {
     ) -> Result<(), Error> {
         let start = Instant::now();
         self.resize(viewport);
-        let mut outlines = Outlines::new(scene, viewport, self.settings.method == Method::None);
+        let mut outlines = Outlines::new(scene, viewport, self.settings.method.is_jagged());
         let bands = BandLists::new(&outlines.shapes, viewport.height);
         let has_gradients = scene.shapes.iter().any(|shape| matches!(shape.paint, Paint::Gradient(_)));
         let shader = |paint| match paint {
@@ -276,20 +301,21 @@ impl Renderer {
         stride: usize,
     ) {
         let (width, first, timed) = (picture.width, bands.start, self.settings.stage_times);
-        let render = |renderer: &mut BandRenderer, (i, bytes): (usize, &mut [u8])| {
+        let render = |renderer: &mut dyn BandPainter, (i, bytes): (usize, &mut [u8])| {
             let top = (first + i) as u32 * BAND_ROWS;
             let count = (height - top).min(BAND_ROWS) as usize;
             if timed {
-                renderer.laps.get_or_insert_default();
+                renderer.time_stages();
             }
             renderer.render(picture, first + i, Rows { bytes, stride, top, count });
         };
         let chunk = stride * BAND_ROWS as usize;
         let take = || self.idle.lock().expect("no thread panicked").pop();
-        let idle = || Returned {
-            renderer: take().or_else(|| Some(BandRenderer::new(width, height))),
-            to: &self.idle,
+        let new = || match painter(self.settings.method, width, height) {
+            Ok(Painter::Bands(painter)) => painter,
+            _ => unreachable!("pictures that are painted whole have no bands"),
         };
+        let idle = || Returned { renderer: take().or_else(|| Some(new())), to: &self.idle };
         match &self.pool {
             None => {
                 let mut renderer = idle();
@@ -310,57 +336,33 @@ impl Renderer {
         }
         let mut sums = Laps::default();
         for renderer in self.idle.lock().expect("no thread panicked").iter_mut() {
-            sums.add(renderer.laps.take().unwrap_or_default());
+            sums.add(renderer.take_laps());
         }
         sums.named().into()
     }
 
     fn take_counts(&self) -> Vec<(&'static str, u64)> {
-        let mut sums = [0u64; 11];
+        let mut sums: Vec<(&'static str, u64)> = Vec::new();
         for renderer in self.idle.lock().expect("no thread panicked").iter_mut() {
-            let counts = std::mem::take(&mut renderer.resolver.counts);
-            let coverer = &mut renderer.sweep.coverer;
-            let all = [
-                counts.one_fragment,
-                counts.tiled,
-                counts.paired,
-                counts.along_borders,
-                counts.split,
-                counts.sampled,
-                std::mem::take(&mut coverer.cleaned),
-                std::mem::take(&mut coverer.sampled),
-                renderer.resolver.take_nodes(),
-                std::mem::take(&mut renderer.met),
-                std::mem::take(&mut renderer.hidden),
-            ];
-            sums.iter_mut().zip(all).for_each(|(sum, count)| *sum += count);
+            let counts = renderer.take_counts();
+            match sums.is_empty() {
+                true => sums = counts,
+                false => sums.iter_mut().zip(counts).for_each(|((_, sum), (_, count))| *sum += count),
+            }
         }
-        let names = [
-            "pixels_one_fragment",
-            "pixels_tiled",
-            "pixels_paired",
-            "pixels_along_borders",
-            "pixels_split",
-            "pixels_sampled",
-            "fragments_cleaned",
-            "fragments_sampled",
-            "split_nodes",
-            "shapes_in_bands",
-            "hidden_shapes",
-        ];
-        names.into_iter().zip(sums).collect()
+        sums
     }
 }
 
-/// A band renderer that goes back to the idle ones when dropped.
+/// A painter that goes back to the idle ones when dropped.
 struct Returned<'a> {
-    renderer: Option<BandRenderer>,
-    to: &'a Mutex<Vec<BandRenderer>>,
+    renderer: Option<Box<dyn BandPainter>>,
+    to: &'a Mutex<Vec<Box<dyn BandPainter>>>,
 }
 
 impl Returned<'_> {
-    fn get(&mut self) -> &mut BandRenderer {
-        self.renderer.as_mut().expect("it is there until it is dropped")
+    fn get(&mut self) -> &mut dyn BandPainter {
+        self.renderer.as_deref_mut().expect("it is there until it is dropped")
     }
 }
 

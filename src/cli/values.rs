@@ -52,27 +52,7 @@ pub fn format(text: &str) -> Result<Format, String> {
 }
 
 pub fn method(text: &str) -> Result<Method, String> {
-    const LATER: &[&str] = &[
-        "mask",
-        "mask64",
-        "grid",
-        "random",
-        "jitter",
-        "poisson",
-        "adaptive",
-        "accumulate",
-        "corner",
-        "cone",
-        "beam",
-        "area",
-        "tiny-skia",
-    ];
-    match text {
-        "exact" => Ok(Method::Exact),
-        "none" => Ok(Method::None),
-        _ if LATER.contains(&text.split(':').next().unwrap_or(text)) => Err(later("exact or none")),
-        _ => Err("unknown method; use exact or none".to_string()),
-    }
+    text.parse().map_err(|e: toon_raster::Error| e.to_string())
 }
 
 fn later(now: &str) -> String {

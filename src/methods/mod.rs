@@ -1,0 +1,180 @@
+//! The ways of anti-aliasing: [`Method`] names them, and here each is given the code that does it.
+//!
+//! | module | methods |
+//! |---|---|
+//! | [`crate::band`] | `exact`, `none`: the renderer itself |
+//!
+//! A method that works band by band is a [`BandPainter`]; one that must see the whole picture at once is
+//! a [`PicturePainter`]. A new method is an arm of [`Method`], a line in [`Method::ALL`], a file here
+//! and an arm of [`painter`].
+
+use crate::band::{BandRenderer, Laps, Picture};
+use crate::cel::Rows;
+use crate::{Error, Scene, Settings, Viewport};
+use std::fmt;
+use std::str::FromStr;
+
+/// A way of anti-aliasing. [`FromStr`] and [`fmt::Display`] give its name, as `--aa` takes it.
+///
+/// The numbers are samples a pixel (of `Grid`: along one side of it), 1 up to [`Method::MOST_SAMPLES`]
+/// in all.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Method {
+    /// The exact visible area of every colour in every pixel (Catmull 1978).
+    #[default]
+    Exact,
+    /// The A-buffer: visible areas by a 4x4 bitmask (Carpenter 1984).
+    Mask,
+    /// The A-buffer with 64 samples on a lattice.
+    Mask64,
+    /// Jagged: a pixel has the colour seen at its centre.
+    None,
+    /// Supersampling on a regular grid of N x N.
+    Grid(u16),
+    /// N samples anywhere in the pixel.
+    Random(u16),
+    /// N samples, one in each cell of the pixel.
+    Jitter(u16),
+    /// N samples that keep their distance from each other.
+    Poisson(u16),
+    /// Up to N samples, more only where the first ones differ.
+    Adaptive(u16),
+    /// The mean of N jagged pictures, each moved by a part of a pixel (Haeberli & Akeley 1990).
+    Accumulate(u16),
+    /// Colours at the corners of pixels, borders found by binary search (Ramos & Borges).
+    Corner,
+    /// The same, with pixels that hold a tiny polygon split further.
+    CornerTiny,
+    /// A disk for each pixel's footprint (Amanatides 1984).
+    Cone,
+    /// Visible polygons of the whole picture, found once (Heckbert & Hanrahan 1984).
+    Beam,
+    /// Exact area of each shape alone, painted over what is below: seams and all.
+    Area,
+    /// tiny-skia, resvg's renderer.
+    TinySkia,
+}
+
+impl Method {
+    /// Every method, those with a number at the number that is compared by default.
+    pub const ALL: &[Method] = &[
+        Method::Exact,
+        Method::Mask,
+        Method::Mask64,
+        Method::None,
+        Method::Grid(4),
+        Method::Random(16),
+        Method::Jitter(16),
+        Method::Poisson(16),
+        Method::Adaptive(64),
+        Method::Accumulate(16),
+        Method::Corner,
+        Method::CornerTiny,
+        Method::Cone,
+        Method::Beam,
+        Method::Area,
+        Method::TinySkia,
+    ];
+
+    /// The most samples a pixel may have.
+    pub const MOST_SAMPLES: u16 = 1024;
+
+    /// Names and forms, for messages and help.
+    pub const NAMES: &str = "exact, mask, mask64, none, grid:N, random:N, jitter:N, poisson:N, adaptive:N, \
+                             accumulate:N, corner, corner:tiny, cone, beam, area or tiny-skia";
+
+    /// Does it take one sample a pixel, at its centre?
+    pub(crate) fn is_jagged(self) -> bool {
+        self == Method::None
+    }
+}
+
+impl fmt::Display for Method {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            Method::Exact => f.write_str("exact"),
+            Method::Mask => f.write_str("mask"),
+            Method::Mask64 => f.write_str("mask64"),
+            Method::None => f.write_str("none"),
+            Method::Grid(n) => write!(f, "grid:{n}"),
+            Method::Random(n) => write!(f, "random:{n}"),
+            Method::Jitter(n) => write!(f, "jitter:{n}"),
+            Method::Poisson(n) => write!(f, "poisson:{n}"),
+            Method::Adaptive(n) => write!(f, "adaptive:{n}"),
+            Method::Accumulate(n) => write!(f, "accumulate:{n}"),
+            Method::Corner => f.write_str("corner"),
+            Method::CornerTiny => f.write_str("corner:tiny"),
+            Method::Cone => f.write_str("cone"),
+            Method::Beam => f.write_str("beam"),
+            Method::Area => f.write_str("area"),
+            Method::TinySkia => f.write_str("tiny-skia"),
+        }
+    }
+}
+
+impl FromStr for Method {
+    type Err = Error;
+
+    /// # Errors
+    /// [`Error::Setting`] for a name that is not known, or a number that is missing or out of range.
+    fn from_str(text: &str) -> Result<Method, Error> {
+        if let Some(&method) = Method::ALL.iter().find(|method| method.to_string() == text) {
+            return Ok(method);
+        }
+        let (name, number) = text.split_once(':').unwrap_or((text, ""));
+        let (make, most): (fn(u16) -> Method, u16) = match name {
+            "grid" => (Method::Grid, Method::MOST_SAMPLES.isqrt()),
+            "random" => (Method::Random, Method::MOST_SAMPLES),
+            "jitter" => (Method::Jitter, Method::MOST_SAMPLES),
+            "poisson" => (Method::Poisson, Method::MOST_SAMPLES),
+            "adaptive" => (Method::Adaptive, Method::MOST_SAMPLES),
+            "accumulate" => (Method::Accumulate, Method::MOST_SAMPLES),
+            _ => return Err(Error::Setting(format!("unknown method '{text}'; use {}", Method::NAMES))),
+        };
+        match number.parse() {
+            Ok(n) if (1..=most).contains(&n) => Ok(make(n)),
+            _ => Err(Error::Setting(format!("'{text}' needs a number from 1 to {most}: {name}:N"))),
+        }
+    }
+}
+
+/// Paints bands one after the other; each thread has its own.
+pub(crate) trait BandPainter: Send {
+    /// Paints band number `band` into `rows`.
+    fn render(&mut self, picture: &Picture, band: usize, rows: Rows);
+
+    /// Takes the time of each stage from now on.
+    fn time_stages(&mut self) {}
+
+    /// The time of each stage since this was last asked, if it was taken.
+    fn take_laps(&mut self) -> Laps {
+        Laps::default()
+    }
+
+    /// Counter name and value since this was last asked, always the same names in the same order.
+    fn take_counts(&mut self) -> Vec<(&'static str, u64)> {
+        Vec::new()
+    }
+}
+
+/// Paints a whole picture: straight 8-bit RGBA, row `y` at `y * stride` bytes of the buffer, which is
+/// large enough.
+pub(crate) type PicturePainter = fn(&Scene, &Viewport, &Settings, &mut [u8], usize) -> Result<(), Error>;
+
+/// Who does it.
+pub(crate) enum Painter {
+    Bands(Box<dyn BandPainter>),
+    #[allow(dead_code)]
+    Picture(PicturePainter),
+}
+
+/// Who paints by this method, for pictures of this size.
+///
+/// # Errors
+/// [`Error::Setting`] for a method that cannot be used.
+pub(crate) fn painter(method: Method, width: u32, height: u32) -> Result<Painter, Error> {
+    match method {
+        Method::Exact | Method::None => Ok(Painter::Bands(Box::new(BandRenderer::new(width, height)))),
+        other => Err(Error::Setting(format!("the method {other} comes in a later version"))),
+    }
+}
