@@ -31,7 +31,7 @@ mod spine;
 use crate::edges::EdgeList;
 use corner::{cap, Corner};
 use kurbo::{Affine, BezPath, Cap, PathEl, Point, Stroke, Vec2};
-use side::Side;
+use side::{Folds, Side};
 use spine::Spine;
 
 /// The length of a dash without one, as a share of the pen's width.
@@ -46,7 +46,7 @@ pub(crate) struct Pen {
     spine: Spine,
     corners: Vec<Option<Corner>>,
     back: Vec<Point>,
-    folds: Vec<[Point; 6]>,
+    folds: Folds,
 }
 
 /// How wide and how fine an outline is drawn.
@@ -279,12 +279,12 @@ impl Drawing<'_> {
     }
 
     fn draw_folds(&mut self) {
-        for fold in self.pen.folds.drain(..) {
-            let [first, others @ ..] = fold;
-            self.edges.move_to(self.transform * first);
-            others.iter().for_each(|&p| self.edges.line_to(self.transform * p));
-            self.edges.close();
-        }
+        let (edges, transform) = (&mut *self.edges, self.transform);
+        self.pen.folds.drain(|fold| {
+            edges.move_to(transform * fold[0]);
+            fold[1..].iter().for_each(|&p| edges.line_to(transform * p));
+            edges.close();
+        });
     }
 }
 
@@ -295,7 +295,7 @@ fn walk(
     which: f64,
     style: &Stroke,
     nib: Nib,
-    folds: &mut Vec<[Point; 6]>,
+    folds: &mut Folds,
     add: &mut impl FnMut(Point),
 ) {
     let count = corners.len();

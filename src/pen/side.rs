@@ -4,15 +4,16 @@
 //! encloses the area that the true offset curve does: a step of the outline of length c that turns by
 //! the angle a cuts off a sliver of c^2 a / 12.
 //!
-//! Where the path is tighter than the pen, its inner side runs backwards. There the outline follows the
-//! path itself, and what the pen sweeps is added as pairs of triangles, both wound like the rest:
+//! Where the path is tighter than the pen, its inner side runs backwards, from q to q', and the pens
+//! there cross each other. The outline then follows the crossings x, and what the pens sweep behind
+//! them is a polygon of its own, a fold, wound like the rest:
 //!
 //! ```text
-//!     p +---+ next p     the path, turning upwards
+//!     p +---+ p'     the path, turning upwards
 //!        \ /
-//!         x              where the two pens cross
+//!         x          where the two pens cross
 //!        / \
-//!       +---+            their ends, in the opposite order
+//!    q' +---+ q      their ends, in the opposite order
 //! ```
 
 use super::spine::Station;
@@ -27,45 +28,82 @@ pub(super) struct Side<'a> {
     pub nib: Nib,
 }
 
+/// Polygons that folds add to an outline.
+#[derive(Default)]
+pub(super) struct Folds {
+    points: Vec<Point>,
+    ends: Vec<usize>,
+}
+
+impl Folds {
+    /// Each polygon, once.
+    pub fn drain(&mut self, mut take: impl FnMut(&[Point])) {
+        let mut start = 0;
+        for end in self.ends.drain(..) {
+            take(&self.points[start..end]);
+            start = end;
+        }
+        self.points.clear();
+    }
+}
+
 impl Side<'_> {
     /// Its vertices in the path's direction, with or without the first and the last, and its folds.
     pub fn walk(
         &self,
         (with_first, with_last): (bool, bool),
-        folds: &mut Vec<[Point; 6]>,
+        folds: &mut Folds,
         add: &mut impl FnMut(Point),
     ) {
-        let stations = self.stations;
-        let last = stations.len() - 1;
+        let last = self.stations.len() - 1;
         if with_first {
             add(self.pen(0));
         }
         let mut before = self.step(1);
-        let mut folded = false;
-        for i in 1..=last {
-            if before.0 < 0.0 && !folded {
-                // The path itself stands for this side, until it runs forwards again.
-                add(self.pen(i - 1));
-                add(stations[i - 1].at);
-                folded = true;
-            }
+        let mut i = 1;
+        while i <= last {
             if before.0 < 0.0 {
-                folds.extend(self.fold(i));
-                add(stations[i].at);
-            }
-            let after = if i < last { self.step(i + 1) } else { (1.0, 0.0) };
-            if folded && after.0 >= 0.0 {
-                add(self.pen(i));
-                folded = false;
-            } else if i < last && !folded {
+                i = self.fold(i, folds, add);
+                before = if i < last { self.step(i + 1) } else { before };
+                if i < last {
+                    add(self.pen(i));
+                }
+            } else if i < last {
+                let after = self.step(i + 1);
                 let ends = usize::from(i == 1) + usize::from(i + 1 == last);
-                add(self.pen(i) + self.outwards(i, before, after, 1.0 + 0.5 * ends as f64));
+                let outwards = match after.0 < 0.0 {
+                    true => Vec2::ZERO,
+                    false => self.outwards(i, before, after, 1.0 + 0.5 * ends as f64),
+                };
+                add(self.pen(i) + outwards);
+                before = after;
             }
-            before = after;
+            i += 1;
         }
         if with_last {
             add(self.pen(last));
         }
+    }
+
+    /// The outline along the steps from number `first` on that run backwards; returns the last of them.
+    fn fold(&self, first: usize, folds: &mut Folds, add: &mut impl FnMut(Point)) -> usize {
+        let start = folds.points.len();
+        let mut end = first;
+        loop {
+            let x = self.crossing(end);
+            add(x);
+            folds.points.push(x);
+            if end + 1 == self.stations.len() || self.step(end + 1).0 >= 0.0 {
+                break;
+            }
+            end += 1;
+        }
+        folds.points.extend((first - 1..=end).rev().map(|i| self.pen(i)));
+        if self.which < 0.0 {
+            folds.points[start..].reverse();
+        }
+        folds.ends.push(folds.points.len());
+        end
     }
 
     /// The end of the pen at a station.
@@ -99,20 +137,13 @@ impl Side<'_> {
         -by * quarter(self.stations[i].along)
     }
 
-    /// The two triangles that the pen sweeps on the step to a station, as one polygon, or none where
-    /// it does not turn.
-    fn fold(&self, i: usize) -> Option<[Point; 6]> {
+    /// Where the pens before and after a step cross.
+    fn crossing(&self, i: usize) -> Point {
         let (from, to) = (self.stations[i - 1].at, self.stations[i].at);
         let (here, there) = (self.offset(i - 1), self.offset(i));
-        let crossing = here.cross(there);
-        let share = (to - from).cross(there) / crossing;
-        if !(0.0..=1.0).contains(&share) {
-            return None;
-        }
-        let x = from + share * here;
-        let fold = [x, to, from, x, to + there, from + here];
-        // The side that the direction's quarter turn points to winds one way, the other side the other.
-        let [a, b, c, d, e, f] = fold;
-        Some(if self.which > 0.0 { fold } else { [a, c, b, d, f, e] })
+        let share = (to - from).cross(there) / here.cross(there);
+        // Pens that turn by half a circle, or not at all, are parallel.
+        let share = if share.is_finite() { share.clamp(0.0, 1.0) } else { 0.0 };
+        from + share * here
     }
 }

@@ -12,6 +12,9 @@ use kurbo::{Point, Vec2};
 /// Halvings of a curve: enough to get as near to a cusp as double precision can tell.
 const MOST_HALVINGS: u32 = 24;
 
+/// A curve that turns within this share of the tolerance turns on the spot.
+const ON_THE_SPOT: f64 = 0.1;
+
 /// Cosine of the angle at which a curve has a cusp between two of its parts.
 const STRAIGHT_ON: f64 = 0.999;
 
@@ -124,7 +127,7 @@ impl Spine {
         } else if legs.are_even() {
             self.steps(hull, nib);
             self.stations.push(Station { at: last, along: ends });
-        } else if halvings == MOST_HALVINGS {
+        } else if halvings == MOST_HALVINGS || length * nib.scale < ON_THE_SPOT * nib.tolerance {
             self.turn_on_the_spot(last, ends, nib);
         } else {
             let (one, other) = halves(hull);
