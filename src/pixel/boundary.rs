@@ -39,10 +39,10 @@ struct Chord {
 pub(crate) struct Boundary {
     chords: Vec<Chord>,
     cuts: Cuts,
-    /// May borders of different fragments meet in end points?
-    touching: bool,
     /// The fragments whose borders are one line, one bit each.
     is_chain: u64,
+    /// Points in which pieces end that do not follow one another along a border.
+    meetings: Vec<(i32, i32)>,
     parts: Vec<Chord>,
     /// (y, step of the winding number, fragment), down the left border.
     steps: Vec<(u16, i32, u32)>,
@@ -114,14 +114,20 @@ impl Boundary {
     /// Where pieces meet. Those of one fragment do not until they are `cut`.
     fn find_cuts(&mut self, cut: bool) {
         self.cuts.clear();
-        self.touching = cut;
+        self.meetings.clear();
         for (i, a) in self.chords.iter().enumerate() {
             for (j, b) in self.chords[..i].iter().enumerate() {
-                if !cut && b.leaf == a.leaf {
+                let own = b.leaf == a.leaf;
+                if own && self.is_chain >> a.leaf & 1 != 0 && !cut {
                     break;
                 }
-                if !a.is_apart(b) {
-                    self.touching |= a.shares_end(b);
+                if a.is_apart(b) {
+                    continue;
+                }
+                if !(own && j + 1 == i) {
+                    self.meetings.extend(a.shared_ends(b));
+                }
+                if !own || cut {
                     self.cuts.meet((i, a.ends()), (j, b.ends()));
                 }
             }
@@ -157,12 +163,9 @@ impl Boundary {
         let mut sides = (0, 0);
         for i in 0..self.chords.len() {
             let chord = self.chords[i];
-            // Along one line of a fragment that touches nothing, the sides stay what they are.
-            let known = !self.touching
-                && i > 0
-                && self.is_chain >> chord.leaf & 1 != 0
-                && chord.continues(&self.chords[i - 1]);
-            if !known {
+            // Along a border the sides stay what they are until it meets another fragment's.
+            let joint = i.checked_sub(1).and_then(|before| chord.joint(&self.chords[before]));
+            if joint.is_none_or(|joint| self.meetings.contains(&joint)) {
                 sides = self.sides(i);
             }
             let (left, right) = sides;
@@ -246,17 +249,25 @@ impl Chord {
         self.right < other.left || other.right < self.left || self.y1 < other.y0 || other.y1 < self.y0
     }
 
-    /// Do they have an end point in common?
-    fn shares_end(&self, other: &Chord) -> bool {
+    /// The end points that they have in common.
+    fn shared_ends(&self, other: &Chord) -> impl Iterator<Item = (i32, i32)> {
         let ends = |c: &Chord| [(c.x0, c.y0), (c.x1, c.y1)];
-        ends(self).into_iter().any(|end| ends(other).contains(&end))
+        let others = ends(other);
+        ends(self).into_iter().filter(move |end| others.contains(end))
     }
 
-    /// Does this one go on where the other ends, upwards or downwards as it does?
+    /// Where this one goes on from the other, upwards or downwards as it does.
     #[inline]
-    fn continues(&self, other: &Chord) -> bool {
-        let joined = (self.x0, self.y0) == (other.x1, other.y1) || (self.x1, self.y1) == (other.x0, other.y0);
-        joined && self.leaf == other.leaf && self.winding == other.winding
+    fn joint(&self, other: &Chord) -> Option<(i32, i32)> {
+        if self.leaf != other.leaf || self.winding != other.winding {
+            return None;
+        }
+        let (start, end) = ((self.x0, self.y0), (self.x1, self.y1));
+        match (start == (other.x1, other.y1), end == (other.x0, other.y0)) {
+            (true, _) => Some(start),
+            (_, true) => Some(end),
+            _ => None,
+        }
     }
 
     fn ends(&self) -> [i32; 4] {
