@@ -11,6 +11,7 @@
 //! | `pen`, `polygons` | strokes → outlines; curves → chords |
 //! | `edges` | polygons → edges in fixed point, sorted in y |
 //! | `band` | the shapes that meet one band, front to back → its pixels, by the stages below |
+//! | `coverage` | how fragments are kept: what the stages from `strips` to `pixel` are to a method |
 //! | `strips` | edges → irregular pieces, clipped to scanline strips and filed in x-buckets |
 //! | `sweep` | x-buckets → solid runs and fragments |
 //! | `clip` | a clip's members → which pixels lie inside, outside or partly |
@@ -61,6 +62,8 @@ mod polygons;
 mod edges;
 
 mod band;
+
+mod coverage;
 
 mod strips;
 

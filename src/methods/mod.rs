@@ -2,17 +2,21 @@
 //!
 //! | module | methods |
 //! |---|---|
-//! | [`crate::band`] | `exact`, `none`: the renderer itself |
+//! | [`exact`] | `exact`, `none` |
 //!
 //! A method that works band by band is a [`BandPainter`]; one that must see the whole picture at once is
 //! a [`PicturePainter`]. A new method is an arm of [`Method`], a line in [`Method::ALL`], a file here
 //! and an arm of [`painter`].
 
+use self::exact::Exact;
 use crate::band::{BandRenderer, Laps, Picture};
 use crate::cel::Rows;
+use crate::coverage::Coverage;
 use crate::{Error, Scene, Settings, Viewport};
 use std::fmt;
 use std::str::FromStr;
+
+pub(crate) mod exact;
 
 /// A way of anti-aliasing. [`FromStr`] and [`fmt::Display`] give its name, as `--aa` takes it.
 ///
@@ -173,8 +177,11 @@ pub(crate) enum Painter {
 /// # Errors
 /// [`Error::Setting`] for a method that cannot be used.
 pub(crate) fn painter(method: Method, width: u32, height: u32) -> Result<Painter, Error> {
+    fn bands<C: Coverage + 'static>(size: (u32, u32), coverage: C) -> Result<Painter, Error> {
+        Ok(Painter::Bands(Box::new(BandRenderer::new(size.0, size.1, coverage))))
+    }
     match method {
-        Method::Exact | Method::None => Ok(Painter::Bands(Box::new(BandRenderer::new(width, height)))),
+        Method::Exact | Method::None => bands((width, height), Exact::new(width)),
         other => Err(Error::Setting(format!("the method {other} comes in a later version"))),
     }
 }

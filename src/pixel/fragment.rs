@@ -8,9 +8,11 @@
 
 use super::indicator::Cleaner;
 use super::sample::Sampler;
+use crate::coverage::Style;
 use crate::edges::{FRACTION_BITS, ONE};
 use crate::scene::FillRule;
 use crate::strips::{Cell, CrossesLeft, Piece, NO_PIECE};
+use crate::sweep::FindCover;
 
 /// Bits of [`PIXEL_AREA`].
 const AREA_BITS: u32 = 2 * FRACTION_BITS + 1;
@@ -46,10 +48,10 @@ impl Fragment {
 
 /// How much of a pixel a shape covers.
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum Cover {
+pub(crate) enum Cover<F = Fragment> {
     Empty,
     Full,
-    Part(Fragment),
+    Part(F),
 }
 
 /// Finds covers; keeps its buffers from one pixel to the next.
@@ -61,6 +63,26 @@ pub(crate) struct Coverer {
     /// Fragments that crossed themselves, and those of them that had to be sampled.
     pub cleaned: u64,
     pub sampled: u64,
+}
+
+impl FindCover for Coverer {
+    type Fragment = Fragment;
+
+    #[inline]
+    fn find_cover(
+        &mut self,
+        cell: Cell,
+        cover_left: i32,
+        _: (usize, u32),
+        style: Style,
+        pieces: &mut Vec<Piece>,
+    ) -> Cover {
+        if style.crisp {
+            self.cover_of_centre(cell, cover_left, style.rule, pieces)
+        } else {
+            self.cover(cell, cover_left, style.rule, pieces)
+        }
+    }
 }
 
 impl Coverer {
