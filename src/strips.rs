@@ -117,19 +117,33 @@ pub(crate) trait Bins {
 #[inline]
 pub(crate) fn clip_edge<B: Bins>(edge: &Edge, place: BandPlace, width: usize, bins: &mut B) {
     let top = (place.top as i32) << FRACTION_BITS;
-    let end = edge.y1.min(top + place.count as i32 * ONE);
-    let mut clipper = Clipper { bins, width: width as i32, winding: edge.winding, row: 0 };
-    let first_row = (edge.y0 - top) >> FRACTION_BITS;
-    if first_row >= 0 && edge.y1 - top <= (first_row + 1) << FRACTION_BITS {
-        // It lies in one strip. On the strip's upper border it would bound nothing inside.
-        let row_top = top + (first_row << FRACTION_BITS);
-        let (y0, y1) = (edge.y0 - row_top, edge.y1 - row_top);
-        if y1 != 0 {
-            clipper.row = first_row as usize;
-            clipper.strip(Strip { x0: edge.x0, y0, x1: edge.x1, y1 });
-        }
+    let row = (edge.y0 - top) >> FRACTION_BITS;
+    let row_top = top + (row << FRACTION_BITS);
+    let (y0, y1) = (edge.y0 - row_top, edge.y1 - row_top);
+    if row < 0 || y1 > ONE {
+        return clip_to_strips(edge, place, width, bins);
+    }
+    // It lies in one strip. On the strip's upper border it would bound nothing inside.
+    if y1 == 0 {
         return;
     }
+    let row = row as usize;
+    let pixel = edge.x0 >> FRACTION_BITS;
+    if pixel == edge.x1 >> FRACTION_BITS && (0..width as i32).contains(&pixel) {
+        // And in one pixel, as most chords of curves do.
+        let left = pixel << FRACTION_BITS;
+        let ends = [edge.x0 - left, y0, edge.x1 - left, y1];
+        return bins.put(row, pixel as usize, ends, edge.winding, CrossesLeft::No);
+    }
+    let mut clipper = Clipper { bins, width: width as i32, winding: edge.winding, row };
+    clipper.strip(Strip { x0: edge.x0, y0, x1: edge.x1, y1 });
+}
+
+/// As [`clip_edge`], for an edge that may meet several strips.
+fn clip_to_strips<B: Bins>(edge: &Edge, place: BandPlace, width: usize, bins: &mut B) {
+    let top = (place.top as i32) << FRACTION_BITS;
+    let end = edge.y1.min(top + place.count as i32 * ONE);
+    let mut clipper = Clipper { bins, width: width as i32, winding: edge.winding, row: 0 };
     let slope = SlopeX::of(edge);
     let mut y = edge.y0.max(top);
     let mut x = slope.x_at(edge, y);
