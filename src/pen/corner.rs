@@ -23,9 +23,23 @@ pub(super) struct Corner {
     pub trim: f64,
     /// How far one segment's inner side reaches along the other segment.
     pub reach: f64,
-    /// Do the inner sides end where they meet? Otherwise they go to the corner and back.
-    pub meets: bool,
+    pub inner_join: InnerJoin,
 }
+
+/// How the two inner sides are joined.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum InnerJoin {
+    /// Both end where they meet.
+    Meet,
+    /// By a straight line, which both segments cover.
+    Line,
+    /// By way of the corner: each segment has its own piece, however short the other is.
+    Corner,
+}
+
+/// How far from the corner its inner join passes, in pixels: enough that the outline touches nothing
+/// that has the path for its border, and too little to be seen.
+const BESIDE: f64 = 2.5e-4;
 
 impl Corner {
     /// The corner between two segments, or `None` where the path goes smoothly on.
@@ -44,14 +58,21 @@ impl Corner {
             inner: if sine < 0.0 { -1.0 } else { 1.0 },
             trim: radius * ((1.0 - cosine) / (1.0 + cosine)).max(0.0).sqrt(),
             reach: radius * sine.abs(),
-            meets: false,
+            inner_join: InnerJoin::Corner,
         })
     }
 
     /// The vertices on one side between the two segments'.
     pub fn walk(&self, which: f64, style: &Stroke, nib: Nib, add: &mut impl FnMut(Point)) {
         if which == self.inner {
-            add(if self.meets { self.crossing(which, nib) } else { self.at });
+            match self.inner_join {
+                InnerJoin::Meet => add(self.crossing(which, nib)),
+                InnerJoin::Line => {}
+                InnerJoin::Corner => {
+                    let inwards = self.after - self.before;
+                    add(self.at + BESIDE / nib.scale / inwards.hypot() * inwards);
+                }
+            }
             return;
         }
         let limit = style.miter_limit;

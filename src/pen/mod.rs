@@ -29,7 +29,7 @@ mod side;
 mod spine;
 
 use crate::edges::EdgeList;
-use corner::{cap, Corner};
+use corner::{cap, Corner, InnerJoin};
 use kurbo::{Affine, BezPath, Cap, PathEl, Point, Stroke, Vec2};
 use side::{Folds, Side};
 use spine::Spine;
@@ -222,27 +222,10 @@ impl Drawing<'_> {
             let meet = after > before || closed;
             corners.push(meet.then(|| Corner::new(spine, before, after, self.nib)).flatten());
         }
-        // A line's two inner joins must leave something of it.
-        let fits = |at: usize, corners: &[Option<Corner>]| {
-            let Some(corner) = corners[at] else {
-                return false;
-            };
-            let (before, after) = ((at + count - 1) % count, (at + 1) % count);
-            let other = |neighbour: usize| {
-                let near = if count > 1 { corners[neighbour] } else { corners[at] };
-                near.filter(|near| near.inner == corner.inner).map_or(0.0, |near| near.trim)
-            };
-            let room = |segment: usize, neighbour: usize| {
-                spine
-                    .line_length(segment)
-                    .is_some_and(|length| corner.trim + other(neighbour) <= length && corner.reach <= length)
-            };
-            room(at, before) && room(after, after)
-        };
         for at in 0..count {
-            let meets = fits(at, corners);
+            let join = inner_join(spine, corners, at);
             if let Some(corner) = &mut corners[at] {
-                corner.meets = meets;
+                corner.inner_join = join;
             }
         }
     }
@@ -288,6 +271,30 @@ impl Drawing<'_> {
     }
 }
 
+/// How the inner sides are joined in a corner between lines that are long enough for it.
+fn inner_join(spine: &Spine, corners: &[Option<Corner>], at: usize) -> InnerJoin {
+    let Some(corner) = &corners[at] else {
+        return InnerJoin::Corner;
+    };
+    let count = corners.len();
+    let (before, after) = ((at + count - 1) % count, (at + 1) % count);
+    // Another join on the same side of a line must leave room on it.
+    let taken = |other: usize| {
+        corners[other].filter(|other| other.inner == corner.inner).map_or(0.0, |other| other.trim)
+    };
+    match (spine.line_length(at), spine.line_length(after)) {
+        (Some(one), Some(other)) if corner.reach <= one.min(other) => {
+            let room = (one - taken(before)).min(other - taken(after));
+            if corner.trim <= room {
+                InnerJoin::Meet
+            } else {
+                InnerJoin::Line
+            }
+        }
+        _ => InnerJoin::Corner,
+    }
+}
+
 /// Walks along one side of the whole sub-path.
 fn walk(
     spine: &Spine,
@@ -299,7 +306,8 @@ fn walk(
     add: &mut impl FnMut(Point),
 ) {
     let count = corners.len();
-    let met = |corner: usize| corners[corner].is_some_and(|c| c.meets && c.inner == which);
+    let met =
+        |corner: usize| corners[corner].is_some_and(|c| c.inner_join == InnerJoin::Meet && c.inner == which);
     for segment in 0..count {
         let ends = (!met((segment + count - 1) % count), !met(segment));
         Side { stations: spine.stations(segment), which, nib }.walk(ends, folds, add);
