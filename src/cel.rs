@@ -185,18 +185,22 @@ impl Cel {
         let mut saturated = 0;
         for_runs(touched & !listed, |a, b| {
             let sheets = &mut self.sheets[start + a..start + b];
+            let mut darkest = 1.0;
+            let mut paint = |sheet: &mut Sheet, behind: Sheet| {
+                *sheet = sheet.over(behind);
+                darkest = if sheet.through() < darkest { sheet.through() } else { darkest };
+            };
             match brush {
-                Brush::Flat(behind, _) => sheets.iter_mut().for_each(|sheet| *sheet = sheet.over(*behind)),
+                Brush::Flat(behind, _) => sheets.iter_mut().for_each(|sheet| paint(sheet, *behind)),
                 Brush::Gradient { .. } => {
                     for (i, sheet) in sheets.iter_mut().enumerate() {
-                        *sheet = sheet.over(brush.at(first + a + i, y));
+                        paint(sheet, brush.at(first + a + i, y));
                     }
                 }
             }
-            let darkest = sheets.iter().fold(1.0f32, |least, sheet| least.min(sheet.through));
             if darkest < NEGLIGIBLE {
                 for (i, sheet) in sheets.iter().enumerate() {
-                    saturated |= u64::from(sheet.through < NEGLIGIBLE) << (a + i);
+                    saturated |= u64::from(sheet.through() < NEGLIGIBLE) << (a + i);
                 }
             }
         });
