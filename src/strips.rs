@@ -118,11 +118,11 @@ pub(crate) trait Bins {
 pub(crate) fn clip_edge<B: Bins>(edge: &Edge, place: BandPlace, width: usize, bins: &mut B) {
     let top = (place.top as i32) << FRACTION_BITS;
     let row = (edge.y0 - top) >> FRACTION_BITS;
-    let row_top = top + (row << FRACTION_BITS);
-    let (y0, y1) = (edge.y0 - row_top, edge.y1 - row_top);
-    if row < 0 || y1 > ONE {
+    if row < 0 || edge.y1 > top + ((row + 1) << FRACTION_BITS) {
         return clip_to_strips(edge, place, width, bins);
     }
+    let row_top = top + (row << FRACTION_BITS);
+    let (y0, y1) = (edge.y0 - row_top, edge.y1 - row_top);
     // It lies in one strip. On the strip's upper border it would bound nothing inside.
     if y1 == 0 {
         return;

@@ -122,7 +122,7 @@ impl Spine {
         }
         let [.., last] = hull;
         let (length, turn) = (legs.length, legs.turn);
-        if nib.stops(length, turn) <= 1.0 {
+        if nib.stops(length, turn) <= 1.0 || !length.is_finite() {
             self.stations.push(Station { at: last, along: ends });
         } else if legs.are_even() {
             self.steps(hull, nib);
