@@ -15,7 +15,7 @@ use usvg::tiny_skia_path::PathSegment;
 const MOST_CHORDS: f64 = 16384.0;
 
 /// The area that a pixel may be off by, as a share of the tolerance times a pixel's side.
-const AREA_SHARE: f64 = 0.1;
+const AREA_SHARE: f64 = 0.075;
 
 /// Flattens shapes; keeps its buffers from one to the next.
 #[derive(Default)]
