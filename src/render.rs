@@ -23,7 +23,8 @@ use std::time::{Duration, Instant};
 pub struct Settings {
     /// The way of anti-aliasing.
     pub method: Method,
-    /// Farthest a flattened curve may lie from the true one, in output pixels; 1e-4 ..= 100.
+    /// Farthest a flattened curve may lie from the true one, in output pixels; 1e-4 ..= 100. What a
+    /// method needs is [`Method::tolerance`].
     pub tolerance: f64,
     /// Areas of different colour in a pixel are mixed in linear light; opacity still composites in
     /// sRGB encoding.
@@ -52,6 +53,11 @@ impl Default for Settings {
 impl Settings {
     /// Keeps every pixel within one 8-bit level of the true curve's area.
     pub const DEFAULT_TOLERANCE: f64 = 0.01;
+
+    /// The defaults of a method: curves are flattened only as finely as it can show.
+    pub fn of(method: Method) -> Settings {
+        Settings { method, tolerance: method.tolerance(), ..Settings::default() }
+    }
 }
 
 /// The part of the plane that the picture shows.

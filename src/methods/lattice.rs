@@ -89,16 +89,39 @@ fn inequality([x0, y0, x1, y1]: [i32; 4], half: i32) -> (i32, i32, i32) {
     (dx, dy, least)
 }
 
-/// Works out 16 rows from `first`.
-#[inline(always)]
-fn right_of_16(columns: &[u8; 16], first: i32, (dx, dy, least): (i32, i32, i32)) -> u16 {
-    let mut bits = 0;
-    for (i, &column) in columns.iter().enumerate() {
-        let row = first + i as i32;
-        let left_side = (2 * i32::from(column) + 1) * dy - (2 * row + 1) * dx;
-        bits |= u16::from(left_side >= least) << i;
+/// 2 c + 1 and 2 i + 1 for 16 samples.
+struct Factors {
+    columns: [f32; 16],
+    rows: [f32; 16],
+}
+
+const FACTORS_16: [Factors; 1] = factors(&COLUMNS_16);
+const FACTORS_64: [Factors; 4] = factors(&COLUMNS_64);
+
+const fn factors<const COUNT: usize, const N: usize>(columns: &[u8; COUNT]) -> [Factors; N] {
+    let mut factors = [const { Factors { columns: [0.0; 16], rows: [0.0; 16] } }; N];
+    let mut row = 0;
+    while row < COUNT {
+        factors[row / 16].columns[row % 16] = (2 * columns[row] + 1) as f32;
+        factors[row / 16].rows[row % 16] = (2 * row + 1) as f32;
+        row += 1;
     }
-    bits
+    factors
+}
+
+/// Works out 16 samples. In single precision, which is exact for whole numbers up to 2^24 (these stay
+/// below 2^22), since all machines multiply vectors of that.
+#[inline(always)]
+fn right_of_16(factors: &Factors, (dx, dy, least): (i32, i32, i32)) -> u16 {
+    let (dx, dy, least) = (dx as f32, dy as f32, least as f32);
+    let mut is_right = [0; 16];
+    for (i, is_right) in is_right.iter_mut().enumerate() {
+        *is_right = u8::from(factors.columns[i] * dy - factors.rows[i] * dx >= least);
+    }
+    // Eight bytes of 0 or 1 to eight bits: the product shifts each to its place in the highest byte.
+    let bits = |bytes: &[u8; 8]| u64::from_le_bytes(*bytes).wrapping_mul(0x0102_0408_1020_4080) >> 56;
+    let (halves, _) = is_right.as_chunks::<8>();
+    (bits(&halves[0]) | bits(&halves[1]) << 8) as u16
 }
 
 impl Lattice for u16 {
@@ -115,7 +138,7 @@ impl Lattice for u16 {
 
     #[inline(always)]
     fn right_of(ends: [i32; 4]) -> u16 {
-        right_of_16(&COLUMNS_16, 0, inequality(ends, Self::HALF))
+        right_of_16(&FACTORS_16[0], inequality(ends, Self::HALF))
     }
 }
 
@@ -134,9 +157,66 @@ impl Lattice for u64 {
     #[inline(always)]
     fn right_of(ends: [i32; 4]) -> u64 {
         let inequality = inequality(ends, Self::HALF);
-        let (parts, _) = COLUMNS_64.as_chunks();
-        (0..4).fold(0, |bits, i| {
-            bits | u64::from(right_of_16(&parts[i], 16 * i as i32, inequality)) << (16 * i)
+        let part = |i: usize| u64::from(right_of_16(&FACTORS_64[i], inequality)) << (16 * i);
+        part(0) | part(1) | part(2) | part(3)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Lines from border to border and within, from a fixed sequence.
+    fn lines() -> impl Iterator<Item = [i32; 4]> {
+        let mut state = 7u64;
+        let mut next = move || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            match state >> 60 {
+                0 => 0,
+                1 => ONE,
+                2 => (state >> 40) as i32 % 65 * (ONE / 64),
+                _ => (state >> 40) as i32 % (ONE + 1),
+            }
+        };
+        (0..20_000).map(move |_| [next(), next(), next(), next()]).map(|[x0, y0, x1, y1]| {
+            if y0 <= y1 {
+                [x0, y0, x1, y1]
+            } else {
+                [x1, y1, x0, y0]
+            }
         })
+    }
+
+    fn sets_are_what_each_sample_says<B: Lattice>() {
+        let at = |i: i32| (2 * i + 1) * B::HALF;
+        for ends in lines() {
+            let [x0, y0, x1, y1] = ends.map(i64::from);
+            let (rows, right) = (B::rows(ends[1], ends[3]), B::right_of(ends));
+            for (row, &column) in B::COLUMNS.iter().enumerate() {
+                let (x, y) = (i64::from(at(column.into())), i64::from(at(row as i32)));
+                assert_eq!(rows.has(row as u32), (y0..y1).contains(&y), "{ends:?}, row {row}");
+                let is_right = (x - x0) * (y1 - y0) >= (y - y0) * (x1 - x0);
+                assert_eq!(right.has(row as u32), is_right, "{ends:?}, row {row}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_sets_of_an_edge_are_what_each_sample_says() {
+        sets_are_what_each_sample_says::<u16>();
+        sets_are_what_each_sample_says::<u64>();
+    }
+
+    #[test]
+    fn no_two_samples_share_a_column() {
+        fn columns<B: Lattice>() -> Vec<u8> {
+            let mut columns = B::COLUMNS.to_vec();
+            columns.sort_unstable();
+            columns
+        }
+        assert_eq!(columns::<u16>(), (0..16).collect::<Vec<_>>());
+        assert_eq!(columns::<u64>(), (0..64).collect::<Vec<_>>());
+        let cells = COLUMNS_16.iter().enumerate().map(|(row, column)| (row / 4, column / 4));
+        assert_eq!(cells.collect::<std::collections::BTreeSet<_>>().len(), 16);
     }
 }

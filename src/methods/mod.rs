@@ -111,6 +111,18 @@ impl Method {
     pub const NAMES: &str = "exact, mask, mask64, none, grid:N, random:N, jitter:N, poisson:N, adaptive:N, \
                              accumulate:N, corner, corner:tiny, cone, beam, area or tiny-skia";
 
+    /// The flattening tolerance ([`Settings::tolerance`]) that suits it: the area of a pixel then errs by
+    /// less than a tenth of what the method itself errs by in the mean.
+    pub fn tolerance(self) -> f64 {
+        match self {
+            // A twentieth of the tolerance is what a pixel's area may be off by; these err by 1/32 and
+            // 1/64.
+            Method::Mask => 0.0625,
+            Method::Mask64 => 0.03125,
+            _ => Settings::DEFAULT_TOLERANCE,
+        }
+    }
+
     /// Does it take one sample a pixel, at its centre?
     pub(crate) fn is_jagged(self) -> bool {
         self == Method::None
