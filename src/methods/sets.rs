@@ -170,30 +170,86 @@ pub(crate) fn resolve<B: Bits>(
     entries: &[Entry<B>],
     all: B,
     middle: impl Fn(B) -> (f64, f64),
-    (x, y): (u32, u32),
+    at: (u32, u32),
     around: &Surroundings,
 ) -> [u8; 4] {
-    let count = i64::from(all.count());
-    let mut mean = Mean::default();
-    let (mut remaining, mut done, mut spent) = (all, 0, 0);
-    while remaining != B::NONE {
-        let mut region = remaining;
-        let mut list = Composer { head, entries, around, sample: remaining.first() };
-        let sheet = match list.compose(&mut region, None) {
-            (sheet, false) => sheet,
-            // Gradients stand in for themselves until it is known where they are asked for.
-            (_, true) => {
-                let (dx, dy) = middle(region);
-                list.compose(&mut region, Some((f64::from(x) + dx, f64::from(y) + dy))).0
+    let mut shares = Shares { mean: Mean::default(), done: 0, spent: 0, count: all.count().into() };
+    let mut remaining = all;
+    let mut next = head.first;
+    // As long as fragments are opaque and of one colour, each has what those before it left.
+    while let Some(entry) = entries.get(next as usize) {
+        let sheet = match entry.kind {
+            Kind::Sheet(sheet) if sheet.is_opaque() => sheet,
+            _ => {
+                let rest = Head { front: head.front, first: next };
+                resolve_rest(rest, entries, remaining, middle, at, around, &mut shares);
+                return shares.mean.to_rgba8(around.linear);
             }
         };
-        done += i64::from(region.count());
-        let area = PIXEL_AREA * done / count - spent;
-        spent += area;
-        mean.add(sheet, area, around.linear);
+        let seen = remaining & entry.part;
+        if seen != B::NONE {
+            shares.add(head.front.over(sheet), seen.count(), around);
+            remaining = remaining & !seen;
+            if remaining == B::NONE {
+                break;
+            }
+        }
+        next = entry.next;
+    }
+    if remaining != B::NONE {
+        shares.add(head.front.over(around.background), remaining.count(), around);
+    }
+    shares.mean.to_rgba8(around.linear)
+}
+
+/// Any list, as seen by the samples that remain.
+#[inline(never)]
+fn resolve_rest<B: Bits>(
+    head: Head,
+    entries: &[Entry<B>],
+    mut remaining: B,
+    middle: impl Fn(B) -> (f64, f64),
+    (x, y): (u32, u32),
+    around: &Surroundings,
+    shares: &mut Shares,
+) {
+    while remaining != B::NONE {
+        let mut region = remaining;
+        let list = Composer { head, entries, around, sample: remaining.first() };
+        let (mut sheet, has_gradient) = list.compose(&mut region, None);
+        if has_gradient {
+            // They stood in for themselves until it was known where they are asked for.
+            let (dx, dy) = middle(region);
+            sheet = list.compose(&mut region, Some((f64::from(x) + dx, f64::from(y) + dy))).0;
+        }
+        shares.add(sheet, region.count(), around);
         remaining = remaining & !region;
     }
-    mean.to_rgba8(around.linear)
+}
+
+/// Colours, weighted by how many samples see them.
+struct Shares {
+    mean: Mean,
+    /// Samples so far, and the area they took.
+    done: i64,
+    spent: i64,
+    /// All samples.
+    count: i64,
+}
+
+impl Shares {
+    #[inline]
+    fn add(&mut self, sheet: Sheet, samples: u32, around: &Surroundings) {
+        self.done += i64::from(samples);
+        // A division that is exact for powers of two; else the areas round to the nearest below, and sum
+        // to the pixel all the same.
+        let area = match self.count.count_ones() {
+            1 => (PIXEL_AREA >> self.count.trailing_zeros()) * self.done,
+            _ => PIXEL_AREA * self.done / self.count,
+        };
+        self.mean.add(sheet, area - self.spent, around.linear);
+        self.spent = area;
+    }
 }
 
 /// Looks down on one sample.
@@ -209,7 +265,7 @@ impl<B: Bits> Composer<'_, B> {
     /// may be another. Gradients are taken at a point, in pixels. Without one they are opaque only if
     /// they are so everywhere, so that whatever could matter at some point is looked at.
     #[inline]
-    fn compose(&mut self, region: &mut B, at: Option<(f64, f64)>) -> (Sheet, bool) {
+    fn compose(&self, region: &mut B, at: Option<(f64, f64)>) -> (Sheet, bool) {
         let mut front = self.head.front;
         let mut has_gradient = false;
         // What stands in front of the groups that are open, and their opacities.
