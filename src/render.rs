@@ -162,7 +162,7 @@ impl Renderer {
         if stride < row || buffer.len() < needed {
             return Err(Error::Buffer { width, height, needed, given: buffer.len() });
         }
-        if let Some(paint) = self.picture_painter(viewport) {
+        if let Some(paint) = self.picture_painter() {
             return self.whole(paint, scene, viewport, buffer, stride);
         }
         let bands = band_count(height);
@@ -185,7 +185,7 @@ impl Renderer {
     ) -> Result<(), Error> {
         check(viewport)?;
         let Viewport { width, height, .. } = *viewport;
-        if self.picture_painter(viewport).is_some() {
+        if self.picture_painter().is_some() {
             return sink(self.render(scene, viewport)?.data());
         }
         let stride = width as usize * Pixmap::BYTES_PER_PIXEL;
@@ -210,8 +210,9 @@ impl Renderer {
     }
 
     /// Who paints the picture if the method needs it whole.
-    fn picture_painter(&self, viewport: &Viewport) -> Option<PicturePainter> {
-        match painter(self.settings.method, viewport.width, viewport.height) {
+    fn picture_painter(&self) -> Option<PicturePainter> {
+        // They are the same for all sizes, and for the smallest no buffers are made that are not used.
+        match painter(self.settings.method, 1, 1) {
             Ok(Painter::Picture(paint)) => Some(paint),
             _ => None,
         }

@@ -23,7 +23,7 @@
 use self::accumulate::Accumulate;
 use self::exact::Exact;
 use self::mask::{Masks, CENTRE};
-use self::patterns::Pattern;
+use self::patterns::{Pattern, PoissonTile};
 use self::sampled::Sampled;
 use self::sets::Words;
 use crate::band::{BandRenderer, Laps, Picture};
@@ -222,7 +222,7 @@ pub(crate) fn painter(method: Method, width: u32, height: u32) -> Result<Painter
         Method::Grid(side) => sampled(size, Pattern::Grid(side)),
         Method::Random(count) => sampled(size, Pattern::Random(count)),
         Method::Jitter(count) => sampled(size, Pattern::Jitter(count)),
-        Method::Poisson(count) => sampled(size, Pattern::poisson(count)),
+        Method::Poisson(count) => sampled(size, Pattern::Poisson(PoissonTile::new(count))),
         Method::Accumulate(count) => Ok(Painter::Bands(Box::new(Accumulate::new(width, height, count)))),
         other => Err(Error::Setting(format!("the method {other} comes in a later version"))),
     }

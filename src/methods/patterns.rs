@@ -5,6 +5,7 @@
 //! has the same points on every machine.
 
 use crate::edges::{FRACTION_BITS, ONE};
+use std::sync::OnceLock;
 
 /// Darts that may miss one after the other before the disks become smaller.
 const MOST_MISSES: u32 = 300;
@@ -21,47 +22,17 @@ pub(crate) enum Pattern {
     Random(u16),
     /// One in each of N cells of equal area.
     Jitter(u16),
-    /// A tile with points that keep their distance, also across its borders; each pixel sees it shifted.
-    Poisson(Vec<(i32, i32)>),
+    /// N points that keep their distance from each other.
+    Poisson(PoissonTile),
 }
 
 impl Pattern {
-    /// A Poisson disk pattern of `count` points: darts that fall too near to others are thrown again,
-    /// with ever smaller disks until all fit (McCool & Fiume, *Hierarchical Poisson Disk Sampling
-    /// Distributions*, 1992).
-    pub fn poisson(count: u16) -> Pattern {
-        let mut random = Random(0x5eed);
-        let mut tile: Vec<(i32, i32)> = Vec::with_capacity(count.into());
-        // Disks in the densest packing: farther apart they cannot be.
-        let mut square = i64::from(ONE) * i64::from(ONE) * 8 / 7 / i64::from(count);
-        let mut misses = 0;
-        while tile.len() < usize::from(count) {
-            let (x, y) = random.point();
-            let apart = |a: i32, b: i32| {
-                let d = i64::from((a - b).abs());
-                d.min(i64::from(ONE) - d)
-            };
-            let far = |&(px, py): &(i32, i32)| apart(px, x).pow(2) + apart(py, y).pow(2) >= square;
-            if tile.iter().all(far) {
-                tile.push((x, y));
-                misses = 0;
-            } else {
-                misses += 1;
-                if misses > MOST_MISSES {
-                    square = square * SHRINK * SHRINK / (32 * 32);
-                    misses = 0;
-                }
-            }
-        }
-        Pattern::Poisson(tile)
-    }
-
     /// How many points it has.
     pub fn count(&self) -> usize {
         match self {
             Pattern::Grid(side) => usize::from(*side) * usize::from(*side),
             Pattern::Random(count) | Pattern::Jitter(count) => usize::from(*count),
-            Pattern::Poisson(tile) => tile.len(),
+            Pattern::Poisson(tile) => usize::from(tile.count),
         }
     }
 
@@ -80,9 +51,55 @@ impl Pattern {
             Pattern::Jitter(count) => jittered(i32::from(*count), &mut random, points),
             Pattern::Poisson(tile) => {
                 let (dx, dy) = random.point();
-                points.extend(tile.iter().map(|(x, y)| ((x + dx) & (ONE - 1), (y + dy) & (ONE - 1))));
+                points
+                    .extend(tile.points().iter().map(|(x, y)| ((x + dx) & (ONE - 1), (y + dy) & (ONE - 1))));
             }
         }
+    }
+}
+
+/// Points in a square that keep their distance, also across its borders. Every pixel sees the tile moved
+/// by another way, so that one is enough. It is made when first looked at.
+#[derive(Clone, Debug)]
+pub(crate) struct PoissonTile {
+    count: u16,
+    points: OnceLock<Vec<(i32, i32)>>,
+}
+
+impl PoissonTile {
+    pub fn new(count: u16) -> PoissonTile {
+        PoissonTile { count, points: OnceLock::new() }
+    }
+
+    /// Darts that fall too near to others are thrown again, with ever smaller disks until all fit (McCool
+    /// & Fiume, *Hierarchical Poisson Disk Sampling Distributions*, 1992).
+    fn points(&self) -> &[(i32, i32)] {
+        self.points.get_or_init(|| {
+            let mut random = Random(0x5eed);
+            let mut tile: Vec<(i32, i32)> = Vec::with_capacity(self.count.into());
+            // Disks in the densest packing: farther apart they cannot be.
+            let mut square = i64::from(ONE) * i64::from(ONE) * 8 / 7 / i64::from(self.count);
+            let mut misses = 0;
+            while tile.len() < usize::from(self.count) {
+                let (x, y) = random.point();
+                let apart = |a: i32, b: i32| {
+                    let d = i64::from((a - b).abs());
+                    d.min(i64::from(ONE) - d)
+                };
+                let far = |&(px, py): &(i32, i32)| apart(px, x).pow(2) + apart(py, y).pow(2) >= square;
+                if tile.iter().all(far) {
+                    tile.push((x, y));
+                    misses = 0;
+                } else {
+                    misses += 1;
+                }
+                if misses > MOST_MISSES {
+                    square = square * SHRINK * SHRINK / (32 * 32);
+                    misses = 0;
+                }
+            }
+            tile
+        })
     }
 }
 
@@ -134,7 +151,8 @@ mod tests {
     fn every_pattern_has_its_number_of_points_and_all_lie_in_the_pixel() {
         let mut points = Vec::new();
         for count in [1, 2, 3, 5, 7, 16, 30, 64, 100, 256] {
-            let patterns = [Pattern::Random(count), Pattern::Jitter(count), Pattern::poisson(count)];
+            let patterns =
+                [Pattern::Random(count), Pattern::Jitter(count), Pattern::Poisson(PoissonTile::new(count))];
             for pattern in patterns.into_iter().chain([Pattern::Grid(count.isqrt())]) {
                 for pixel in [(0, 0), (1, 0), (65_534, 65_534)] {
                     pattern.points(pixel, &mut points);
@@ -159,7 +177,7 @@ mod tests {
     fn poisson_points_keep_their_distance() {
         let mut points = Vec::new();
         for count in [4, 16, 64, 256] {
-            Pattern::poisson(count).points((7, 5), &mut points);
+            Pattern::Poisson(PoissonTile::new(count)).points((7, 5), &mut points);
             // .6 of what the densest packing has.
             let least = 0.6 * (2.0 / 3.0f64.sqrt() / f64::from(count)).sqrt() * f64::from(ONE);
             for (i, a) in points.iter().enumerate() {
