@@ -40,7 +40,7 @@ pub(crate) struct Picture<'a> {
 pub(crate) struct BandRenderer<C: Coverage> {
     flattener: Flattener,
     edges: EdgeList,
-    coverage: C,
+    pub coverage: C,
     entries: Vec<Entry<PartOf<C>>>,
     /// The picture's cel, and one for each open group.
     cels: Vec<Cel>,

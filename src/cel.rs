@@ -224,23 +224,25 @@ impl Cel {
         if self.finished.get(row, x) {
             return;
         }
-        self.start_list(row, x);
-        let entry = Entry { next: NO_ENTRY, part, kind: brush.kind() };
-        self.append(row * self.width + x, entry, entries);
+        let pixel = row * self.width + x;
+        if !self.listed.get(row, x) {
+            self.start_list(row, x);
+        }
+        self.append(pixel, Entry { next: NO_ENTRY, part, kind: brush.kind() }, entries);
     }
 
+    #[inline]
     fn start_list(&mut self, row: usize, x: usize) {
         let pixel = row * self.width + x;
         if !self.touched.get(row, x) {
             self.touched.set(row, x);
             self.sheets[pixel] = Sheet::CLEAR;
         }
-        if !self.listed.get(row, x) {
-            self.listed.set(row, x);
-            self.lists[pixel] = (NO_ENTRY, NO_ENTRY);
-        }
+        self.listed.set(row, x);
+        self.lists[pixel] = (NO_ENTRY, NO_ENTRY);
     }
 
+    #[inline]
     fn append<P: Part>(&mut self, pixel: usize, entry: Entry<P>, entries: &mut Vec<Entry<P>>) {
         let at = entries.len() as u32;
         entries.push(entry);
@@ -290,7 +292,9 @@ impl Cel {
 
     fn take_list<P: Part>(&mut self, group: &Cel, row: usize, x: usize, entries: &mut Vec<Entry<P>>) {
         let pixel = row * self.width + x;
-        self.start_list(row, x);
+        if !self.listed.get(row, x) {
+            self.start_list(row, x);
+        }
         let mark = |kind| Entry { next: NO_ENTRY, part: P::WHOLE, kind };
         self.append(pixel, mark(Kind::GroupStart(group.opacity)), entries);
         if group.sheets[pixel] != Sheet::CLEAR {

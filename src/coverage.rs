@@ -7,6 +7,8 @@
 //! | implementation | a fragment is |
 //! |---|---|
 //! | [`crate::methods::exact`] | a list of irregular pieces with its exact area |
+//! | [`crate::methods::mask`] | a set of samples, on a pattern that is the same in every pixel |
+//! | [`crate::methods::sampled`] | a set of samples anywhere in the pixel |
 
 use crate::band::Picture;
 use crate::bitmap::Bitmap;

@@ -47,25 +47,29 @@ pub(crate) struct Cell {
     pub area: i64,
 }
 
-impl Cell {
-    const EMPTY: Cell = Cell { cover: 0, pieces: NO_PIECE, area: 0 };
+impl Default for Cell {
+    #[inline]
+    fn default() -> Cell {
+        Cell { cover: 0, pieces: NO_PIECE, area: 0 }
+    }
 }
 
-/// One shape's x-buckets in one band: a cell for each pixel, and which cells are in use.
-pub(crate) struct Buckets {
+/// One shape's x-buckets in one band: a cell for each pixel, which cells are in use, and for each row
+/// what lies left of the picture. Here a cell is a [`Cell`], and its [`Cell::cover`] all that is known
+/// of what lies left.
+pub(crate) struct Buckets<C = Cell, L = i32> {
     width: usize,
-    cells: Vec<Cell>,
+    cells: Vec<C>,
     touched: Bitmap,
-    /// [`Cell::cover`] of all that lies left of the picture, row by row.
-    left: [i32; BAND_ROWS as usize],
+    left: [L; BAND_ROWS as usize],
 }
 
-impl Buckets {
+impl<C: Clone + Default, L: Default> Buckets<C, L> {
     /// For a picture of this many pixels in a row.
-    pub fn new(width: u32) -> Buckets {
+    pub fn new(width: u32) -> Self {
         let (width, rows) = (width as usize, BAND_ROWS as usize);
-        let (cells, touched) = (vec![Cell::EMPTY; width * rows], Bitmap::new(width, rows));
-        Buckets { width, cells, touched, left: [0; BAND_ROWS as usize] }
+        let (cells, touched) = (vec![C::default(); width * rows], Bitmap::new(width, rows));
+        Buckets { width, cells, touched, left: Default::default() }
     }
 
     /// Pixels in a row.
@@ -73,15 +77,29 @@ impl Buckets {
         self.width
     }
 
-    /// The cover of all that lies left of the picture, which is emptied.
-    pub fn take_left(&mut self, row: usize) -> i32 {
+    /// All that lies left of the picture, which is emptied.
+    pub fn take_left(&mut self, row: usize) -> L {
         std::mem::take(&mut self.left[row])
+    }
+
+    /// What lies left of the picture.
+    #[inline]
+    pub fn left_mut(&mut self, row: usize) -> &mut L {
+        &mut self.left[row]
+    }
+
+    /// The cell of a pixel, in use from now on, and whether the pixel is `finished`.
+    #[inline(always)]
+    pub fn touch(&mut self, row: usize, pixel: usize, finished: &Bitmap) -> (&mut C, bool) {
+        let (word, bit) = (row * finished.words() + pixel / 64, 1 << (pixel % 64));
+        self.touched.bits_mut()[word] |= bit;
+        (&mut self.cells[row * self.width + pixel], finished.bits()[word] & bit != 0)
     }
 
     /// The pixels in use in `row` within columns [from, to), from the left, with their cells, which
     /// are emptied.
     #[inline]
-    pub fn drain_row(&mut self, row: usize, (from, to): (usize, usize), mut take: impl FnMut(usize, Cell)) {
+    pub fn drain_row(&mut self, row: usize, (from, to): (usize, usize), mut take: impl FnMut(usize, C)) {
         let cells = &mut self.cells[row * self.width..][..self.width];
         let words = &mut self.touched.row_mut(row)[from / 64..to.div_ceil(64)];
         for (index, word) in words.iter_mut().enumerate() {
@@ -89,11 +107,13 @@ impl Buckets {
             while bits != 0 {
                 let x = (from / 64 + index) * 64 + bits.trailing_zeros() as usize;
                 bits &= bits - 1;
-                take(x, std::mem::replace(&mut cells[x], Cell::EMPTY));
+                take(x, std::mem::take(&mut cells[x]));
             }
         }
     }
+}
 
+impl Buckets {
     /// Files the pieces of `edge`. Pixels that are `finished` get none.
     #[inline]
     pub fn add(&mut self, edge: &Edge, place: BandPlace, finished: &Bitmap, pieces: &mut Vec<Piece>) {
@@ -330,7 +350,7 @@ struct Filer<'a> {
 impl Bins for Filer<'_> {
     #[inline(always)]
     fn left_of_picture(&mut self, row: usize, (y0, y1): (i32, i32), winding: i32) {
-        self.buckets.left[row] += (y1 - y0) * winding;
+        *self.buckets.left_mut(row) += (y1 - y0) * winding;
     }
 
     #[inline(always)]
@@ -343,12 +363,9 @@ impl Bins for Filer<'_> {
         crosses_left: CrossesLeft,
     ) {
         let cover = (y1 - y0) * winding;
-        let buckets = &mut *self.buckets;
-        let (word, bit) = (row * self.finished.words() + pixel / 64, 1 << (pixel % 64));
-        buckets.touched.bits_mut()[word] |= bit;
-        let cell = &mut buckets.cells[row * buckets.width + pixel];
+        let (cell, is_finished) = self.buckets.touch(row, pixel, self.finished);
         cell.cover += cover;
-        if self.finished.bits()[word] & bit != 0 {
+        if is_finished {
             return;
         }
         cell.area += i64::from(cover) * i64::from(2 * ONE - x0 - x1);

@@ -100,12 +100,15 @@ struct PictureOptions {
     /// CSS colour behind the drawing; without it the picture keeps its alpha
     #[arg(short, long, value_name = "COLOR", value_parser = values::color)]
     background: Option<Color>,
-    /// How edges are smoothed: exact (visible areas, Catmull 1978) or none (jagged)
+    /// How edges are smoothed: exact (visible areas, Catmull 1978), mask (A-buffer, 4x4), mask64 (A-buffer,
+    /// 64 samples), none (jagged), grid:N (N x N samples), random:N, jitter:N, poisson:N or accumulate:N
+    /// (N samples)
     #[arg(long, value_name = "METHOD", default_value = "exact", value_parser = values::method)]
     aa: Method,
-    /// Farthest a flattened curve may lie from the true one, in output pixels
-    #[arg(long, value_name = "F", default_value_t = Settings::DEFAULT_TOLERANCE, value_parser = values::tolerance)]
-    tolerance: f64,
+    /// Farthest a flattened curve may lie from the true one, in output pixels [default: 0.01; mask 0.0625,
+    /// mask64 0.03125]
+    #[arg(long, value_name = "F", value_parser = values::tolerance)]
+    tolerance: Option<f64>,
     /// Mix edges in linear light (opacity still composites as SVG says)
     #[arg(long)]
     linear: bool,
@@ -270,7 +273,7 @@ fn render_job(mut arguments: Arguments) -> Result<Job, String> {
     let Arguments { size, picture, part, reading, report, .. } = arguments;
     let settings = Settings {
         method: picture.aa,
-        tolerance: picture.tolerance,
+        tolerance: picture.tolerance.unwrap_or(picture.aa.tolerance()),
         linear: picture.linear,
         background: picture.background.map(|color| color.0),
         threads: picture.threads.into(),
