@@ -271,7 +271,7 @@ impl Renderer {
                 bands: &bands,
                 around: &around,
                 to_pixels: viewport.transform,
-                tolerance: self.settings.tolerance,
+                tolerance: self.tolerance(),
                 width: viewport.width,
             };
             part(self, &picture, &mut more)?;
@@ -287,6 +287,12 @@ impl Renderer {
         }
         self.stages.counts = self.take_counts();
         Ok(())
+    }
+
+    /// The flattening tolerance: a dark mean of linear light errs more once it is encoded.
+    fn tolerance(&self) -> f64 {
+        const LINEAR_SHARE: f64 = 0.5;
+        self.settings.tolerance * if self.settings.linear { LINEAR_SHARE } else { 1.0 }
     }
 
     /// Drops buffers that do not fit the picture.
