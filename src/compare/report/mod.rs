@@ -1,0 +1,1 @@
+//! Comparisons to a page to look at.
