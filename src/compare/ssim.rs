@@ -41,3 +41,39 @@ pub fn ssim(reference: &Shown, test: &Shown) -> f64 {
     }
     sum / count
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::compare::against::decode;
+    use crate::Pixmap;
+
+    /// scikit-image 0.26: `structural_similarity(data_range=255, gaussian_weights=True, sigma=1.5,
+    /// use_sample_covariance=False)` on .299 R + .587 G + .114 B.
+    #[test]
+    fn the_figure_is_that_of_scikit_image() {
+        let shown = |bytes: &[u8]| Shown::of_pixmap(&decode(bytes).expect("the test's own PNG"));
+        let edges = shown(include_bytes!("../../tests/flip/edges.png"));
+        let jagged = shown(include_bytes!("../../tests/flip/jagged.png"));
+        assert!((ssim(&edges, &jagged) - 0.915_860_89).abs() < 1e-5, "{}", ssim(&edges, &jagged));
+        assert!((ssim(&edges, &edges) - 1.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn a_flat_picture_of_another_grey_has_the_light_term_alone() {
+        let flat = |level: u8| {
+            let mut pixmap = Pixmap::new(20, 20);
+            pixmap.data_mut().chunks_exact_mut(4).for_each(|p| p.copy_from_slice(&[level, level, level, 255]));
+            Shown::of_pixmap(&pixmap)
+        };
+        let (a, b) = (100.0, 150.0);
+        let light = (2.0 * a * b + 6.5025) / (a * a + b * b + 6.5025);
+        assert!((ssim(&flat(100), &flat(150)) - light).abs() < 1e-4);
+    }
+
+    #[test]
+    fn a_picture_smaller_than_the_window_has_a_figure() {
+        let white = Shown::of_pixmap(&Pixmap::new(3, 2));
+        assert!((ssim(&white, &white) - 1.0).abs() < 1e-6);
+    }
+}

@@ -37,6 +37,10 @@ pub struct About {
     pub edge_pixels: usize,
     /// Differences from the same truth computed otherwise, in levels.
     pub own_error: Vec<OwnError>,
+    /// Mean error of the truth itself once it is rounded to 8 bits: no picture can better that by much.
+    pub rounding_mean: f64,
+    /// Its root mean square error.
+    pub rounding_rms: f64,
     /// What of the drawing the truth leaves out, in the plural.
     pub leaves_out: Vec<&'static str>,
     /// Gradients are evaluated at the centre of each visible region.
@@ -118,6 +122,7 @@ impl<'a> Source<'a> {
             let (mean, max) = difference(&truth, &other);
             own_error.push(OwnError { against, mean, max });
         }
+        let rounding = truth.compare(&truth.to_pixmap());
         let about = About {
             how: "exact areas by a sweep over slabs in 64-bit floats, box filter, composited once for \
                   each set of shapes; shares no code with the methods",
@@ -126,6 +131,8 @@ impl<'a> Source<'a> {
             approximate_pixels: truth.approximate,
             edge_pixels: truth.swept,
             own_error,
+            rounding_mean: rounding.mean,
+            rounding_rms: rounding.rms,
             leaves_out: reference::unsupported(self.tree).into_iter().map(|u| u.kind).collect(),
             gradients: reference::has_gradients(self.tree),
             ms: milliseconds(start.elapsed()),

@@ -14,11 +14,11 @@ let input = inputs[0];
 function short(v) {
   if (v === null || v === undefined || Number.isNaN(v)) return "–";
   const a = Math.abs(v);
-  if (a === 0) return "0";
+  if (a < 1e-6) return "0";
   if (a >= 99.5) return v.toFixed(0);
   if (a >= 9.95) return v.toFixed(1);
   if (a >= 0.0995) return v.toFixed(2);
-  if (a >= 0.00095) return v.toFixed(4);
+  if (a >= 0.00005) return v.toFixed(4);
   return v.toExponential(0);
 }
 const percent = (v) => (v === null || v === undefined ? "–" : v === 0 ? "0" : short(100 * v));
@@ -374,7 +374,7 @@ function cards() {
   const list = [
     ["Most exact", best.method, `rms ${short(best.error.rms)}, worst ${short(best.error.max)} levels`],
     fast && ["Fastest", fast.method, `${short(fast.raster_ms.median)} ms, rms ${short(fast.error.rms)}`],
-    ["Most seams", seams.seams.over_1 ? seams.method : "none", seams.seams.over_1 ? `${percent(seams.seams.over_1 * seams.seams.flat)} % of all pixels wrong where nothing is to be seen` : "flat areas are flat in every picture"],
+    ["Most seams", seams.seams.over_1 ? seams.method : "nowhere", seams.seams.over_1 ? `${percent(seams.seams.over_1 * seams.seams.flat)} % of all pixels wrong where nothing is to be seen` : "flat areas are flat in every picture"],
     ["Pixels with edges", `${percent(input.records[0].reference.edge_pixels / (input.width * input.height))} %`, `of ${input.width} × ${input.height}`],
   ];
   $("cards").replaceChildren(...list.filter(Boolean).map(([head, value, more]) =>
@@ -439,6 +439,7 @@ function facts() {
   const list = [
     ["Reference", `${about.how}; curves cut at ${about.tolerance} px.`],
     ["Its own error", [own || "not checked", `areas of a pixel sum to 1 within ${about.area_defect.toExponential(0)}`, about.approximate_pixels ? `areas approximate in ${plural(about.approximate_pixels, "pixel")}` : "no pixel approximate", about.gradients ? "gradients taken at the centre of each visible region" : ""].filter(Boolean).join("; ") + "."],
+    ["Rounding", `the reference itself, rounded to 8 bits, is off by ${short(about.rounding_mean)} levels in the mean, rms ${short(about.rounding_rms)}: no picture can better that by much.`],
     about.leaves_out.length && ["It leaves out", `${about.leaves_out.join(", ")}: a method that draws these differs there without being wrong.`],
     ["Its time", `${short(about.ms)} ms${about.cached ? ", kept from an earlier run" : ""}.`],
     ["Size", `${input.width} × ${input.height} pixels${input.part.width < input.width || input.part.height < input.height ? `; pictures show ${input.part.width} × ${input.part.height} of them, from column ${input.part.x}, row ${input.part.y}: where the errors are largest` : ""}.`],
