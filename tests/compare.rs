@@ -103,7 +103,8 @@ fn the_json_has_the_documented_fields() {
         assert_eq!(record["raster_ms"]["runs"], 2);
         let [min, median, max] = ["min", "median", "max"].map(|k| record["raster_ms"][k].as_f64().unwrap());
         assert!(0.0 < min && min <= median && median <= max);
-        let fields = ["mean", "rms", "max", "over_half", "over_1", "over_4", "over_16", "psnr", "ssim", "flip"];
+        let fields =
+            ["mean", "rms", "max", "over_half", "over_1", "over_4", "over_16", "psnr", "ssim", "flip"];
         for field in fields {
             assert!(record["error"][field].is_number(), "{field}");
         }
@@ -209,7 +210,10 @@ fn a_reference_is_kept_and_found_again_and_a_damaged_one_is_made_anew() {
     let arguments = ["in.svg", "--methods", "exact", "--cache", "kept"];
     let first = folder.records(&arguments);
     let second = folder.records(&arguments);
-    assert_eq!((&first[0]["reference"]["cached"], &second[0]["reference"]["cached"]), (&false.into(), &true.into()));
+    assert_eq!(
+        (&first[0]["reference"]["cached"], &second[0]["reference"]["cached"]),
+        (&false.into(), &true.into())
+    );
     assert_eq!(first[0]["error"], second[0]["error"]);
     for file in fs::read_dir(folder.0.join("kept")).unwrap() {
         fs::write(file.unwrap().path(), b"damaged").unwrap();
@@ -226,13 +230,24 @@ fn the_report_is_one_file_that_loads_nothing() {
     let folder = Folder::new();
     // A name that would break a page which trusts it.
     folder.write("<b>{{data}}&.svg", DRAWING);
-    let arguments = ["in.svg", "<b>{{data}}&.svg", "--methods", "exact,none", "--report", "page", "--pan", "2"];
+    let arguments =
+        ["in.svg", "<b>{{data}}&.svg", "--methods", "exact,none", "--report", "page", "--pan", "2"];
     let output = folder.compare(&arguments);
     assert!(output.status.success(), "{}", stderr(&output));
-    let files: Vec<_> = fs::read_dir(folder.0.join("page")).unwrap().map(|f| f.unwrap().file_name()).collect();
+    let files: Vec<_> =
+        fs::read_dir(folder.0.join("page")).unwrap().map(|f| f.unwrap().file_name()).collect();
     assert_eq!(files, ["index.html"]);
     let page = folder.read("page/index.html");
-    for loader in ["http://", "https://", "src=\"", "@import", "url(", "fetch(", "XMLHttpRequest", "<link rel=\"stylesheet"] {
+    for loader in [
+        "http://",
+        "https://",
+        "src=\"",
+        "@import",
+        "url(",
+        "fetch(",
+        "XMLHttpRequest",
+        "<link rel=\"stylesheet",
+    ] {
         assert!(!page.contains(loader), "the page has {loader}");
     }
     assert!(page.contains("default-src 'none'"), "the browser is told to load nothing");
@@ -264,7 +279,17 @@ fn progress_is_told_as_json_and_ends_where_it_said() {
 fn help_names_every_option() {
     let output = Folder::new().program(&["compare", "--help"]);
     assert!(output.status.success());
-    for option in ["--methods", "--width", "--runs", "--json", "--report", "--against", "--pan", "--cache", "--no-cache"] {
+    for option in [
+        "--methods",
+        "--width",
+        "--runs",
+        "--json",
+        "--report",
+        "--against",
+        "--pan",
+        "--cache",
+        "--no-cache",
+    ] {
         assert!(stdout(&output).contains(option), "{option}");
     }
 }

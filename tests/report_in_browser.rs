@@ -170,10 +170,12 @@ impl Page {
     fn complaints(&mut self) -> Vec<String> {
         let wanted = |event: &Value| match event["method"].as_str() {
             Some("Runtime.exceptionThrown" | "Log.entryAdded") => true,
-            Some("Runtime.consoleAPICalled") => ["error", "warning"].contains(&event["params"]["type"].as_str().unwrap_or("")),
+            Some("Runtime.consoleAPICalled") => {
+                ["error", "warning"].contains(&event["params"]["type"].as_str().unwrap_or(""))
+            }
             Some("Network.requestWillBeSent") => {
                 let url = event["params"]["request"]["url"].as_str().unwrap_or("");
-                !url.starts_with("data:") && !(url.starts_with("file:") && url.ends_with("/index.html"))
+                !(url.starts_with("data:") || url.starts_with("file:") && url.ends_with("/index.html"))
             }
             _ => false,
         };
@@ -185,8 +187,21 @@ impl Page {
 fn report(folder: &Path) -> String {
     fs::create_dir_all(folder).unwrap();
     fs::write(folder.join("in.svg"), DRAWING).unwrap();
-    let arguments = ["compare", "in.svg", "--methods", "exact,none", "--runs", "3", "--pan", "2", "--no-cache", "--report", "."];
-    let program = Command::new(env!("CARGO_BIN_EXE_toon-raster")).current_dir(folder).args(arguments).output();
+    let arguments = [
+        "compare",
+        "in.svg",
+        "--methods",
+        "exact,none",
+        "--runs",
+        "3",
+        "--pan",
+        "2",
+        "--no-cache",
+        "--report",
+        ".",
+    ];
+    let program =
+        Command::new(env!("CARGO_BIN_EXE_toon-raster")).current_dir(folder).args(arguments).output();
     assert!(program.unwrap().status.success());
     format!("file://{}", fs::canonicalize(folder.join("index.html")).unwrap().display())
 }
@@ -202,7 +217,9 @@ fn the_slider_moves_the_table_sorts_and_nothing_complains() {
     let mut page = Page::open(&browser, &folder.0);
     page.size(1280, 900);
     page.call("Page.navigate", json!({ "url": url }));
-    page.wait_for("document.readyState === 'complete' && document.querySelectorAll('#table tbody tr').length === 2");
+    page.wait_for(
+        "document.readyState === 'complete' && document.querySelectorAll('#table tbody tr').length === 2",
+    );
     page.wait_for("document.querySelectorAll('#spots button').length > 0");
 
     the_slider_moves(&mut page);
@@ -227,7 +244,10 @@ fn the_slider_moves(page: &mut Page) {
     assert_ne!(page.picture(), before);
     let share = page.value("Number(document.getElementById('divider').getAttribute('aria-valuenow'))");
     page.value("document.getElementById('divider').focus()");
-    page.call("Input.dispatchKeyEvent", json!({ "type": "keyDown", "key": "ArrowRight", "code": "ArrowRight" }));
+    page.call(
+        "Input.dispatchKeyEvent",
+        json!({ "type": "keyDown", "key": "ArrowRight", "code": "ArrowRight" }),
+    );
     let after = page.value("Number(document.getElementById('divider').getAttribute('aria-valuenow'))");
     assert!(after.as_f64() > share.as_f64(), "the arrow key moves it from {share} to {after}");
 }
@@ -240,7 +260,11 @@ fn zoom_and_modes_change_the_picture(page: &mut Page) {
     assert_ne!(zoomed, fit);
     let (x, y) = page.middle("#tag-left");
     page.mouse("mouseMoved", x + 60.0, y + 60.0);
-    assert!(page.value("document.getElementById('readout').textContent").as_str().unwrap().contains("column"));
+    assert!(page
+        .value("document.getElementById('readout').textContent")
+        .as_str()
+        .unwrap()
+        .contains("column"));
     page.click("#spots button");
     assert_eq!(page.value("document.querySelector(\"#zoom [data-zoom='16']\").ariaPressed"), "true");
     page.click("#mode [data-mode='error']");
@@ -290,5 +314,9 @@ fn it_fits_small_and_dark_screens(page: &mut Page) {
     assert_eq!(page.value(ground), light, "the button turns the lights on");
     page.size(390, 800);
     page.wait_for("innerWidth === 390");
-    assert_eq!(page.value("document.documentElement.scrollWidth <= innerWidth"), true, "no sideways scrolling");
+    assert_eq!(
+        page.value("document.documentElement.scrollWidth <= innerWidth"),
+        true,
+        "no sideways scrolling"
+    );
 }

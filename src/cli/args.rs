@@ -246,7 +246,11 @@ fn query_job(arguments: Arguments) -> Result<Job, String> {
         return Err("a query takes one input and no output (see --help)".to_string());
     };
     let input = places::Source::from_argument(input);
-    Ok(Job::Query(QueryJob { input, all, options: options(&arguments.reading, &arguments.size, &arguments.fonts)? }))
+    Ok(Job::Query(QueryJob {
+        input,
+        all,
+        options: options(&arguments.reading, &arguments.size, &arguments.fonts)?,
+    }))
 }
 
 fn render_job(mut arguments: Arguments) -> Result<Job, String> {

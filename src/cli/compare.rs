@@ -168,7 +168,8 @@ const COLUMNS: [(&str, usize); 13] = [
 fn table(comparison: &Comparison) -> String {
     let Some(first) = comparison.records.first() else { return String::new() };
     let name_width = comparison.records.iter().map(|r| r.method.chars().count()).max().unwrap_or(0).max(6);
-    let threads = if first.threads == 1 { "1 thread".to_string() } else { format!("{} threads", first.threads) };
+    let threads =
+        if first.threads == 1 { "1 thread".to_string() } else { format!("{} threads", first.threads) };
     let mut text = format!("{}: {} x {} pixels, {threads}\n", first.input, first.width, first.height);
     let _ = write!(text, "{:name_width$}", "method");
     for (head, width) in COLUMNS {
@@ -178,7 +179,10 @@ fn table(comparison: &Comparison) -> String {
     for record in &comparison.records {
         let _ = writeln!(text, "{:name_width$}{}", record.method, row(record));
     }
-    let _ = writeln!(text, "errors in 8-bit levels; ±: half of the runs lie within it; seam: mean error where the truth is flat");
+    let _ = writeln!(
+        text,
+        "errors in 8-bit levels; ±: half of the runs lie within it; seam: mean error where the truth is flat"
+    );
     let about = &first.reference;
     let _ = write!(text, "reference: {:.0} ms{}", about.ms, if about.cached { " (kept)" } else { "" });
     for own in &about.own_error {
@@ -205,7 +209,8 @@ fn row(record: &Record) -> String {
     let Some(error) = &record.error else {
         return format!("  {}", record.failed.as_deref().unwrap_or("not measured"));
     };
-    let number = |value: Option<f64>, digits: usize| value.map_or("-".to_string(), |v| format!("{v:.digits$}"));
+    let number =
+        |value: Option<f64>, digits: usize| value.map_or("-".to_string(), |v| format!("{v:.digits$}"));
     let percent = |share: f64| Some(100.0 * share);
     let cells = [
         number(record.raster_ms.map(|s| s.median), 2),
@@ -226,7 +231,8 @@ fn row(record: &Record) -> String {
 }
 
 fn pans(comparison: &Comparison, name_width: usize, text: &mut String) {
-    let panned: Vec<_> = comparison.records.iter().filter_map(|r| Some((&r.method, r.pan.as_ref()?))).collect();
+    let panned: Vec<_> =
+        comparison.records.iter().filter_map(|r| Some((&r.method, r.pan.as_ref()?))).collect();
     let Some((_, first)) = panned.first() else { return };
     let _ = writeln!(
         text,

@@ -124,7 +124,12 @@ impl CompareArguments {
             methods = Method::ALL.to_vec();
         }
         let mut seen = Vec::new();
-        methods.retain(|method| !seen.contains(method) && { seen.push(*method); true });
+        methods.retain(|method| {
+            !seen.contains(method) && {
+                seen.push(*method);
+                true
+            }
+        });
         let cache = match output.cache {
             Some(folder) => Some(Cache::new(folder)),
             None if output.no_cache => None,

@@ -53,7 +53,11 @@ impl DrawingHash {
             hash.update(number.to_bits().to_le_bytes());
         }
         let Options { linear, background, stroker, .. } = options;
-        hash.update([u8::from(*linear), u8::from(*stroker == Stroker::Pieces), u8::from(background.is_some())]);
+        hash.update([
+            u8::from(*linear),
+            u8::from(*stroker == Stroker::Pieces),
+            u8::from(background.is_some()),
+        ]);
         hash.update(background.unwrap_or_default());
         Key(hash.finalize().into())
     }
@@ -129,7 +133,9 @@ fn write(file: fs::File, key: Key, truth: &Truth) -> io::Result<()> {
     let mut gz = GzEncoder::new(io::BufWriter::new(file), Compression::new(1));
     gz.write_all(MAGIC)?;
     gz.write_all(&key.0)?;
-    for number in [u64::from(truth.width()), truth.height().into(), truth.swept as u64, truth.approximate as u64] {
+    for number in
+        [u64::from(truth.width()), truth.height().into(), truth.swept as u64, truth.approximate as u64]
+    {
         gz.write_all(&number.to_le_bytes())?;
     }
     gz.write_all(&truth.area_defect.to_le_bytes())?;
@@ -197,7 +203,8 @@ mod tests {
     }
 
     fn truth() -> Truth {
-        let mut truth = Truth::from_pixels(3, 2, (0..6).map(|i| [i as f64 / 7.0, 0.1, 254.9, 255.0]).collect());
+        let mut truth =
+            Truth::from_pixels(3, 2, (0..6).map(|i| [i as f64 / 7.0, 0.1, 254.9, 255.0]).collect());
         (truth.swept, truth.approximate, truth.area_defect) = (4, 1, 1e-13);
         truth
     }
@@ -249,7 +256,9 @@ mod tests {
     #[test]
     fn a_truth_depends_on_the_drawing_its_place_and_its_settings() {
         let tree = |colour: &str| {
-            let svg = format!(r#"<svg xmlns="http://www.w3.org/2000/svg" width="9" height="9"><path d="M0 0H9V9z" fill="{colour}"/></svg>"#);
+            let svg = format!(
+                r#"<svg xmlns="http://www.w3.org/2000/svg" width="9" height="9"><path d="M0 0H9V9z" fill="{colour}"/></svg>"#
+            );
             usvg::Tree::from_str(&svg, &usvg::Options::default()).unwrap()
         };
         let viewport = Viewport { width: 9, height: 9, transform: kurbo::Affine::IDENTITY };

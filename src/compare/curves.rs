@@ -82,8 +82,11 @@ pub fn curve(
     (points.len() > 1).then_some(Curve { family, parameter, points })
 }
 
-/// The method's family, what its number is, and settings for several values.
-fn variants(method: Method, options: &Options) -> Option<(String, &'static str, Vec<(f64, Settings)>)> {
+/// A family's name, what its number is, and settings for several values of it.
+type Variants = (String, &'static str, Vec<(f64, Settings)>);
+
+/// The method's family, if its members differ by a number.
+fn variants(method: Method, options: &Options) -> Option<Variants> {
     let name = method.to_string();
     let (family, number) = name.split_once(':').unwrap_or((&name, ""));
     if method == Method::Exact {

@@ -64,7 +64,11 @@ impl Flip {
     /// # Panics
     /// When the sizes differ.
     pub fn difference(&self, other: &Flip) -> Vec<f32> {
-        assert_eq!((self.width, self.colours.len()), (other.width, other.colours.len()), "pictures of one size");
+        assert_eq!(
+            (self.width, self.colours.len()),
+            (other.width, other.colours.len()),
+            "pictures of one size"
+        );
         let largest = hyab(hunt(lab([0.0, 1.0, 0.0])), hunt(lab([0.0, 0.0, 1.0]))).powf(COLOUR_POWER);
         let pixel = |i: usize| {
             let colour = redistribute(hyab(self.colours[i], other.colours[i]).powf(COLOUR_POWER), largest);

@@ -155,7 +155,10 @@ impl Runner {
                 if runs < options.runs {
                     let of = options.runs;
                     let budget = options.budget.as_secs_f64();
-                    record.notes.push(format!("{} of {of} runs: more would take longer than {budget} s", runs.max(1)));
+                    record.notes.push(format!(
+                        "{} of {of} runs: more would take longer than {budget} s",
+                        runs.max(1)
+                    ));
                 }
                 // Too slow for another: the first one is the one that counts.
                 let times = if runs == 0 { vec![Some(took)] } else { Vec::new() };
@@ -252,8 +255,15 @@ fn stages(settings: Settings, runs: usize, subject: &Subject) -> Result<Vec<Stag
     let mut renderer = Renderer::new(settings)?;
     let mut all: Vec<(&'static str, Vec<Duration>)> = Vec::new();
     for _ in 0..runs {
+        let begun = Instant::now();
         renderer.render(subject.scene, &subject.viewport)?;
-        for &(name, time) in &renderer.stages().times {
+        let whole = begun.elapsed();
+        let mut times = renderer.stages().times.clone();
+        // A method that does not tell its stages apart spends its time between them.
+        times.retain(|(_, time)| !time.is_zero());
+        let told: Duration = times.iter().map(|(_, time)| *time).sum();
+        times.push(("other", whole.saturating_sub(told)));
+        for (name, time) in times {
             match all.iter_mut().find(|(known, _)| *known == name) {
                 Some((_, times)) => times.push(time),
                 None => all.push((name, vec![time])),

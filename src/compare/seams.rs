@@ -56,8 +56,9 @@ fn is_flat(truth: &Truth, x: usize, y: usize) -> bool {
     let pixels = truth.premultiplied();
     let here = pixels[y * width + x];
     let alike = |other: &[f64; 4]| other.iter().zip(here).all(|(a, b)| (a - b).abs() <= ALIKE);
-    (y.saturating_sub(1)..=(y + 1).min(height - 1))
-        .all(|row| pixels[row * width + x.saturating_sub(1)..=row * width + (x + 1).min(width - 1)].iter().all(alike))
+    (y.saturating_sub(1)..=(y + 1).min(height - 1)).all(|row| {
+        pixels[row * width + x.saturating_sub(1)..=row * width + (x + 1).min(width - 1)].iter().all(alike)
+    })
 }
 
 #[cfg(test)]

@@ -63,7 +63,10 @@ mod tests {
     fn a_flat_picture_of_another_grey_has_the_light_term_alone() {
         let flat = |level: u8| {
             let mut pixmap = Pixmap::new(20, 20);
-            pixmap.data_mut().chunks_exact_mut(4).for_each(|p| p.copy_from_slice(&[level, level, level, 255]));
+            pixmap
+                .data_mut()
+                .chunks_exact_mut(4)
+                .for_each(|p| p.copy_from_slice(&[level, level, level, 255]));
             Shown::of_pixmap(&pixmap)
         };
         let (a, b) = (100.0, 150.0);

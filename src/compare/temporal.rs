@@ -88,7 +88,8 @@ impl Panned {
             truths: vec![narrow(&first)],
             light: vec![light(first.premultiplied().iter().copied())],
             moves: Vec::new(),
-            note: (fit < steps).then(|| format!("the pan has {fit} steps in place of {steps}: more would take too long")),
+            note: (fit < steps)
+                .then(|| format!("the pan has {fit} steps in place of {steps}: more would take too long")),
             viewports,
         };
         for viewport in &panned.viewports[1..] {

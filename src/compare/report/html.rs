@@ -4,7 +4,7 @@
 use super::image::{self, Part};
 use super::machine::Circumstances;
 use super::plot::{escape, short, Mark, Plot, Series};
-use crate::compare::{Comparison, Record};
+use crate::compare::{Comparison, Curve, Record};
 use serde::Serialize;
 
 const TEMPLATE: &str = include_str!("report.html");
@@ -57,7 +57,11 @@ impl Page {
             height: truth.height(),
             part,
             truth: image::picture(&truth, part),
-            pictures: comparison.pictures.iter().map(|p| p.as_ref().map(|p| image::picture(p, part))).collect(),
+            pictures: comparison
+                .pictures
+                .iter()
+                .map(|p| p.as_ref().map(|p| image::picture(p, part)))
+                .collect(),
             errors: errors.iter().map(|e| e.as_ref().map(|e| image::errors(e, width, part))).collect(),
             records: comparison.records.clone(),
             plots: plots(&comparison.records),
@@ -147,6 +151,7 @@ fn plots(records: &[Record]) -> Vec<(&'static str, &'static str, String)> {
                 series: vec![Series { name: String::new(), marks }],
                 front: true,
                 title: format!("Time against {label}"),
+                size: (900.0, 480.0),
             };
             (short_name, label, plot.inline())
         })
@@ -159,7 +164,12 @@ fn curves(records: &[Record]) -> Vec<(&'static str, String)> {
     let of = |sampled: bool| -> Vec<Series> {
         let curves = records.iter().filter_map(|record| record.curve.as_ref());
         let wanted = curves.filter(|curve| (curve.parameter == "tolerance") != sampled);
-        let series = wanted.map(|curve| Series {
+        // A drawing without curves has nothing to show of the tolerance.
+        let tells = |curve: &&Curve| {
+            let rms = || curve.points.iter().map(|point| point.rms);
+            rms().fold(0.0, f64::max) > 1.05 * rms().fold(f64::MAX, f64::min)
+        };
+        let series = wanted.filter(tells).map(|curve| Series {
             name: curve.family.clone(),
             marks: curve
                 .points
@@ -195,6 +205,7 @@ fn curves(records: &[Record]) -> Vec<(&'static str, String)> {
                 series,
                 front: false,
                 title: caption.into(),
+                size: (600.0, 420.0),
             };
             (caption, plot.inline())
         })

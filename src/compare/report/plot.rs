@@ -4,9 +4,6 @@
 
 use std::fmt::Write;
 
-/// Size of the whole plot, in its own units.
-const WIDTH: f64 = 860.0;
-const HEIGHT: f64 = 480.0;
 /// Room for the axes' labels.
 const LEFT: f64 = 76.0;
 const RIGHT: f64 = 34.0;
@@ -53,6 +50,8 @@ pub struct Plot {
     pub front: bool,
     /// For those who cannot see it.
     pub title: String,
+    /// Width and height of the whole, in its own units; text is 13 high.
+    pub size: (f64, f64),
 }
 
 /// Of standalone plots. Dark grounds are asked for by the reader's system.
@@ -68,13 +67,18 @@ const STYLE: &str = "text{font:13px system-ui,-apple-system,'Segoe UI',Roboto,'D
 impl Plot {
     /// For a page that styles it.
     pub fn inline(&self) -> String {
-        format!("<svg viewBox=\"0 0 {WIDTH} {HEIGHT}\" role=\"img\" aria-label=\"{0}\">{1}</svg>", escape(&self.title), self.body())
+        let ((width, height), title) = (self.size, escape(&self.title));
+        format!(
+            "<svg viewBox=\"0 0 {width} {height}\" role=\"img\" aria-label=\"{title}\">{}</svg>",
+            self.body()
+        )
     }
 
     /// A file of its own.
     pub fn standalone(&self) -> String {
+        let (width, height) = self.size;
         format!(
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH} {HEIGHT}\" width=\"{WIDTH}\" height=\"{HEIGHT}\" \
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" width=\"{width}\" height=\"{height}\" \
              role=\"img\"><title>{}</title><style>{STYLE}</style>\n{}</svg>\n",
             escape(&self.title),
             self.body()
@@ -83,20 +87,26 @@ impl Plot {
 
     fn body(&self) -> String {
         let marks = || self.series.iter().flat_map(|series| &series.marks);
-        let x = Axis::around(marks().map(|m| m.x), LEFT, WIDTH - RIGHT);
-        let y = Axis::around(marks().map(|m| m.y), HEIGHT - BOTTOM, TOP);
+        let (right, bottom) = (self.size.0 - RIGHT, self.size.1 - BOTTOM);
+        let x = Axis::around(marks().map(|m| m.x), LEFT, right);
+        let y = Axis::around(marks().map(|m| m.y), bottom, TOP);
         let mut out = String::new();
         self.grid(&x, &y, &mut out);
         let best = if self.front { front(marks()) } else { Vec::new() };
         if self.front {
-            draw_front(&best, &x, &y, &mut out);
+            draw_front(&best, &x, &y, right, &mut out);
         }
-        let mut labels = Labels::new(marks().map(|m| (x.place(m.x), y.place(m.y))).collect());
+        let mut labels = Labels::new(marks().map(|m| (x.place(m.x), y.place(m.y))).collect(), right, bottom);
         // Lines first, then points, then words, so that words stay legible.
         for (i, series) in self.series.iter().enumerate().filter(|(_, s)| !s.name.is_empty()) {
             let points: Vec<String> =
                 series.marks.iter().map(|m| format!("{:.1},{:.1}", x.place(m.x), y.place(m.y))).collect();
-            let _ = writeln!(out, "<polyline class=\"line s{}\" points=\"{}\"/>", i % COLOURS + 1, points.join(" "));
+            let _ = writeln!(
+                out,
+                "<polyline class=\"line s{}\" points=\"{}\"/>",
+                i % COLOURS + 1,
+                points.join(" ")
+            );
         }
         let mut words = String::new();
         for (i, series) in self.series.iter().enumerate() {
@@ -127,14 +137,18 @@ impl Plot {
     }
 
     fn grid(&self, x: &Axis, y: &Axis, out: &mut String) {
-        let (bottom, right) = (HEIGHT - BOTTOM, WIDTH - RIGHT);
+        let (right, bottom) = (self.size.0 - RIGHT, self.size.1 - BOTTOM);
         for (value, named) in x.ticks() {
             let at = x.place(value);
             let minor = if value.log10().fract().abs() < 1e-9 { "" } else { " minor" };
             let _ = writeln!(out, "<path class=\"grid{minor}\" d=\"M{at:.1} {TOP}V{bottom}\"/>");
             if named {
                 let y = bottom + 20.0;
-                let _ = writeln!(out, "<text class=\"tick\" x=\"{at:.1}\" y=\"{y}\" text-anchor=\"middle\">{}</text>", short(value));
+                let _ = writeln!(
+                    out,
+                    "<text class=\"tick\" x=\"{at:.1}\" y=\"{y}\" text-anchor=\"middle\">{}</text>",
+                    short(value)
+                );
             }
         }
         for (value, named) in y.ticks() {
@@ -143,12 +157,19 @@ impl Plot {
             let _ = writeln!(out, "<path class=\"grid{minor}\" d=\"M{LEFT} {at:.1}H{right}\"/>");
             if named {
                 let (x, y) = (LEFT - 10.0, at + 4.0);
-                let _ = writeln!(out, "<text class=\"tick\" x=\"{x}\" y=\"{y:.1}\" text-anchor=\"end\">{}</text>", short(value));
+                let _ = writeln!(
+                    out,
+                    "<text class=\"tick\" x=\"{x}\" y=\"{y:.1}\" text-anchor=\"end\">{}</text>",
+                    short(value)
+                );
             }
         }
         let (width, height) = (right - LEFT, bottom - TOP);
-        let _ = writeln!(out, "<rect class=\"frame\" x=\"{LEFT}\" y=\"{TOP}\" width=\"{width}\" height=\"{height}\"/>");
-        let (middle, below) = (LEFT + width / 2.0, HEIGHT - 14.0);
+        let _ = writeln!(
+            out,
+            "<rect class=\"frame\" x=\"{LEFT}\" y=\"{TOP}\" width=\"{width}\" height=\"{height}\"/>"
+        );
+        let (middle, below) = (LEFT + width / 2.0, self.size.1 - 14.0);
         let _ = writeln!(
             out,
             "<text class=\"axis\" x=\"{middle}\" y=\"{below}\" text-anchor=\"middle\">{}</text>",
@@ -200,7 +221,8 @@ impl Axis {
             _ => &[1],
         };
         let powers = self.from.floor() as i32..=self.to.ceil() as i32;
-        let all = powers.flat_map(|power| (1..10).map(move |digit| (digit, f64::from(digit) * 10f64.powi(power))));
+        let all =
+            powers.flat_map(|power| (1..10).map(move |digit| (digit, f64::from(digit) * 10f64.powi(power))));
         all.filter(|(_, value)| (self.from..=self.to).contains(&value.log10()))
             .filter(|(digit, _)| *digit == 1 || decades < 4.0 || named.contains(digit))
             .map(|(digit, value)| (value, named.contains(&digit)))
@@ -222,27 +244,27 @@ fn front<'a>(marks: impl Iterator<Item = &'a Mark>) -> Vec<&'a Mark> {
 }
 
 /// A staircase: all above and right of it is bettered by a point on it.
-fn draw_front(best: &[&Mark], x: &Axis, y: &Axis, out: &mut String) {
-    let (Some(first), Some(last)) = (best.first(), best.last()) else { return };
+fn draw_front(best: &[&Mark], x: &Axis, y: &Axis, right: f64, out: &mut String) {
+    let Some(first) = best.first() else { return };
     let mut path = format!("M{:.1} {TOP}V{:.1}", x.place(first.x), y.place(first.y));
     for mark in &best[1..] {
         let _ = write!(path, "H{:.1}V{:.1}", x.place(mark.x), y.place(mark.y));
     }
-    let right = WIDTH - RIGHT;
     let _ = writeln!(out, "<path class=\"better\" d=\"{path}H{right}V{TOP}Z\"/>");
     let _ = writeln!(out, "<path class=\"front\" d=\"{path}H{right}\"/>");
-    let _ = last;
 }
 
 /// Labels placed so far; each goes where it covers nothing.
 struct Labels {
     dots: Vec<(f64, f64)>,
     taken: Vec<[f64; 4]>,
+    right: f64,
+    bottom: f64,
 }
 
 impl Labels {
-    fn new(dots: Vec<(f64, f64)>) -> Labels {
-        Labels { dots, taken: Vec::new() }
+    fn new(dots: Vec<(f64, f64)>, right: f64, bottom: f64) -> Labels {
+        Labels { dots, taken: Vec::new(), right, bottom }
     }
 
     /// Writes `text` beside (x, y). A label that finds no room is left out unless `must`.
@@ -261,20 +283,27 @@ impl Labels {
             places.push(middle(-17.0 * distance));
             places.push(middle(17.0 * distance));
         }
-        let boxes = |&(left, middle): &(f64, f64)| [left, middle - LINE / 2.0, left + width, middle + LINE / 2.0];
+        let boxes =
+            |&(left, middle): &(f64, f64)| [left, middle - LINE / 2.0, left + width, middle + LINE / 2.0];
         let free = places.iter().map(boxes).find(|b| self.is_free(b, (x, y)));
         let Some(found) = free.or_else(|| must.then(|| boxes(&places[0]))) else { return };
         let (from, middle) = (found[0], (found[1] + found[3]) / 2.0);
         let (nearest_x, nearest_y) = (x.clamp(found[0], found[2]), y.clamp(found[1], found[3]));
         if (nearest_x - x).hypot(nearest_y - y) > 13.0 {
-            let _ = writeln!(out, "<path class=\"leader\" d=\"M{x:.1} {y:.1}L{nearest_x:.1} {nearest_y:.1}\"/>");
+            let _ =
+                writeln!(out, "<path class=\"leader\" d=\"M{x:.1} {y:.1}L{nearest_x:.1} {nearest_y:.1}\"/>");
         }
-        let _ = writeln!(out, "<text class=\"halo\" x=\"{from:.1}\" y=\"{:.1}\">{}</text>", middle + 4.5, escape(text));
+        let _ = writeln!(
+            out,
+            "<text class=\"halo\" x=\"{from:.1}\" y=\"{:.1}\">{}</text>",
+            middle + 4.5,
+            escape(text)
+        );
         self.taken.push(found);
     }
 
     fn is_free(&self, b: &[f64; 4], own: (f64, f64)) -> bool {
-        let inside = b[0] > LEFT && b[2] < WIDTH - RIGHT + 24.0 && b[1] > TOP && b[3] < HEIGHT - BOTTOM;
+        let inside = b[0] > LEFT && b[2] < self.right + 24.0 && b[1] > TOP && b[3] < self.bottom;
         let apart = |t: &[f64; 4]| b[2] < t[0] || t[2] < b[0] || b[3] < t[1] || t[3] < b[1];
         let clear = |&(x, y): &(f64, f64)| {
             (x, y) == own || x < b[0] - 7.0 || x > b[2] + 7.0 || y < b[1] - 6.0 || y > b[3] + 6.0
@@ -286,7 +315,7 @@ impl Labels {
 /// A number in few characters.
 pub fn short(value: f64) -> String {
     match value.abs() {
-        v if v == 0.0 => "0".to_string(),
+        0.0 => "0".to_string(),
         v if v >= 99.5 => format!("{value:.0}"),
         v if v >= 9.95 => trimmed(format!("{value:.1}")),
         v if v >= 0.995 => trimmed(format!("{value:.2}")),
@@ -302,7 +331,11 @@ fn trimmed(text: String) -> String {
 
 /// For text and attributes of XML and HTML.
 pub fn escape(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;").replace('\'', "&#39;")
+    text.replace('&', "&amp;")
+        .replace('<', "&lt;")
+        .replace('>', "&gt;")
+        .replace('"', "&quot;")
+        .replace('\'', "&#39;")
 }
 
 #[cfg(test)]
@@ -322,11 +355,21 @@ mod tests {
 
     #[test]
     fn a_plot_is_an_svg_that_can_be_read() {
-        let cloud = Series { name: String::new(), marks: (1..20).map(|i| mark(f64::from(i), 0.3 / f64::from(i))).collect() };
-        let plot = Plot { x_label: "a < b".into(), y_label: "e".into(), series: vec![cloud], front: true, title: "t & t".into() };
+        let cloud = Series {
+            name: String::new(),
+            marks: (1..20).map(|i| mark(f64::from(i), 0.3 / f64::from(i))).collect(),
+        };
+        let plot = Plot {
+            x_label: "a < b".into(),
+            y_label: "e".into(),
+            series: vec![cloud],
+            front: true,
+            title: "t & t".into(),
+            size: (600.0, 400.0),
+        };
         let svg = plot.standalone();
         let tree = usvg::Tree::from_str(&svg, &usvg::Options::default()).unwrap();
-        assert_eq!((tree.size().width(), tree.size().height()), (WIDTH as f32, HEIGHT as f32));
+        assert_eq!((tree.size().width(), tree.size().height()), (600.0, 400.0));
     }
 
     #[test]
@@ -338,7 +381,8 @@ mod tests {
 
     #[test]
     fn numbers_are_short() {
-        let shorts: Vec<String> = [0.0, 0.5, 12.0, 1234.5, 0.001, 0.02, 3.14159].iter().map(|&v| short(v)).collect();
-        assert_eq!(shorts, ["0", "0.5", "12", "1234", "1e-3", "0.02", "3.14"]);
+        let shorts: Vec<String> =
+            [0.0, 0.5, 12.0, 1234.5, 0.001, 0.02, 2.71929].iter().map(|&v| short(v)).collect();
+        assert_eq!(shorts, ["0", "0.5", "12", "1234", "1e-3", "0.02", "2.72"]);
     }
 }

@@ -184,9 +184,9 @@ function listSpots() {
   const inside = (s) => s.x >= input.part.x && s.y >= input.part.y && s.x < input.part.x + input.part.width && s.y < input.part.y + input.part.height;
   const spots = worse < 0 ? [] : input.records[worse].worst.filter(inside);
   if (!spots.length) return;
-  list.append(`Worst pixels of ${nameOf(worse)}:`);
+  list.append(`Worst of ${nameOf(worse)} (column, row · levels):`);
   for (const spot of spots) {
-    const button = make("button", { type: "button", textContent: `${short(spot.error)}`, title: `column ${spot.x}, row ${spot.y}: off by ${short(spot.error)} levels` });
+    const button = make("button", { type: "button", textContent: `${spot.x}, ${spot.y} · ${short(spot.error)}`, title: `column ${spot.x}, row ${spot.y}: off by ${short(spot.error)} levels` });
     button.onclick = () => {
       view.spot = { x: spot.x - input.part.x, y: spot.y - input.part.y };
       [view.x, view.y, view.zoom, view.fit] = [view.spot.x + 0.5, view.spot.y + 0.5, 16, false];
@@ -487,7 +487,7 @@ $("theme").onclick = () => {
   const dark = root.dataset.theme ? root.dataset.theme === "dark" : matchMedia("(prefers-color-scheme: dark)").matches;
   root.dataset.theme = dark ? "light" : "dark";
 };
-$("input").replaceChildren(...inputs.map((one, i) => make("option", { value: i, textContent: one.name })));
+$("input").replaceChildren(...inputs.map((one, i) => make("option", { value: i, textContent: one.name.split(/[\\/]/).pop(), title: one.name })));
 $("input").onchange = (event) => show(Number(event.target.value));
 $("input-picker").hidden = inputs.length < 2;
 show(0);
