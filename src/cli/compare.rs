@@ -224,7 +224,7 @@ fn row(record: &Record) -> String {
         number(percent(error.over_4), 2),
         number(percent(error.over_16), 2),
         number(error.psnr, 1),
-        number(Some(error.flip), 4),
+        number(error.flip, 4),
         number(record.seams.map(|s| s.mean), 3),
     ];
     cells.iter().zip(COLUMNS).map(|(cell, (_, width))| format!("{cell:>width$}")).collect()

@@ -95,15 +95,15 @@ pub struct ErrorFigures {
     pub over_16: f64,
     /// Peak signal to noise ratio in decibels, of `rms`; `null` where there is no noise.
     pub psnr: Option<f64>,
-    /// Structural similarity of luma, on white; 1 is alike.
-    pub ssim: f64,
-    /// Mean of LDR-FLIP, on white; 0 is alike.
-    pub flip: f64,
+    /// Structural similarity of luma, on white; 1 is alike. `null` for very large pictures.
+    pub ssim: Option<f64>,
+    /// Mean of LDR-FLIP, on white; 0 is alike. `null` for very large pictures.
+    pub flip: Option<f64>,
 }
 
 impl ErrorFigures {
     /// The difference, and what the other measures say.
-    pub fn new(difference: &Difference, ssim: f64, flip: f64) -> ErrorFigures {
+    pub fn new(difference: &Difference, ssim: Option<f64>, flip: Option<f64>) -> ErrorFigures {
         let &Difference { mean, rms, max, worst, over_half, over_1, over_4, over_16 } = difference;
         ErrorFigures {
             mean,

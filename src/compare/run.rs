@@ -24,6 +24,9 @@ use std::time::{Duration, Instant};
 /// Runs with the clock read in every stage.
 const STAGE_RUNS: usize = 3;
 
+/// Pictures of more pixels are not judged by SSIM and FLIP, which take some 100 bytes a pixel.
+const MOST_SEEN: usize = 1 << 23;
+
 /// What came out, one drawing.
 pub struct Comparison {
     /// The drawing's name.
@@ -104,21 +107,26 @@ pub fn compare(
 /// Holds pictures against the truth.
 struct Judge<'a> {
     truth: &'a Truth,
-    shown: Shown,
-    flip: Flip,
+    /// How the truth is seen; `None` where it is too large for that.
+    seen: Option<(Shown, Flip)>,
 }
 
 impl<'a> Judge<'a> {
     fn new(truth: &'a Truth) -> Judge<'a> {
-        let shown = Shown::of_truth(truth);
-        Judge { truth, flip: Flip::new(&shown), shown }
+        let shown = (truth.premultiplied().len() <= MOST_SEEN).then(|| Shown::of_truth(truth));
+        Judge { truth, seen: shown.map(|shown| (shown.clone(), Flip::new(&shown))) }
     }
 
     fn measure(&self, picture: &Pixmap, record: &mut Record) {
-        let shown = Shown::of_pixmap(picture);
         let errors = self.truth.errors(picture);
-        let flip = mean(&self.flip.difference(&Flip::new(&shown)));
-        let similarity = ssim(&self.shown, &shown);
+        let (similarity, flip) = match &self.seen {
+            Some((truth, truth_flip)) => {
+                let shown = Shown::of_pixmap(picture);
+                let flip = mean(&truth_flip.difference(&Flip::new(&shown)));
+                (Some(ssim(truth, &shown)), Some(flip))
+            }
+            None => (None, None),
+        };
         record.error = Some(ErrorFigures::new(&self.truth.compare(picture), similarity, flip));
         record.seams = Some(seams(self.truth, &errors));
         record.worst = spots(picture.width(), &errors);

@@ -128,7 +128,7 @@ fn plots(records: &[Record]) -> Vec<(&'static str, &'static str, String)> {
         ("RMS", "root mean square error, levels", |r| r.error.map(|e| e.rms)),
         ("Mean", "mean error, levels", |r| r.error.map(|e| e.mean)),
         ("Worst", "largest error, levels", |r| r.error.map(|e| e.max)),
-        ("FLIP", "FLIP (0 is alike)", |r| r.error.map(|e| e.flip)),
+        ("FLIP", "FLIP (0 is alike)", |r| r.error?.flip),
         ("Seams", "mean error where the truth is flat, levels", |r| r.seams.map(|s| s.mean)),
     ];
     let plot = |(short_name, label, measure): (&'static str, &'static str, Measure)| {

@@ -211,21 +211,20 @@ impl Axis {
         self.start + share.clamp(0.0, 1.0) * (self.end - self.start)
     }
 
-    /// Values with a line, and whether they are written, too: powers of ten, with 2 and 5 where there
-    /// is room.
+    /// Values with a line, and whether they are written, too: powers of ten, and digits between them as
+    /// there is room.
     fn ticks(&self) -> Vec<(f64, bool)> {
         let decades = self.to - self.from;
-        let named: &[u32] = match decades {
-            d if d < 2.2 => &[1, 2, 5],
-            d if d < 4.0 => &[1, 3],
-            _ => &[1],
+        let (drawn, named): (&[u32], &[u32]) = match decades {
+            d if d < 0.6 => (&[1, 2, 3, 4, 5, 6, 7, 8, 9], &[1, 2, 3, 4, 5, 6, 8]),
+            d if d < 2.2 => (&[1, 2, 3, 4, 5, 6, 7, 8, 9], &[1, 2, 5]),
+            d if d < 4.0 => (&[1, 2, 3, 4, 5, 6, 7, 8, 9], &[1, 3]),
+            _ => (&[1], &[1]),
         };
         let powers = self.from.floor() as i32..=self.to.ceil() as i32;
-        let all =
-            powers.flat_map(|power| (1..10).map(move |digit| (digit, f64::from(digit) * 10f64.powi(power))));
-        all.filter(|(_, value)| (self.from..=self.to).contains(&value.log10()))
-            .filter(|(digit, _)| *digit == 1 || decades < 4.0 || named.contains(digit))
-            .map(|(digit, value)| (value, named.contains(&digit)))
+        let all = powers.flat_map(|power| drawn.iter().map(move |&digit| (digit, power)));
+        all.map(|(digit, power)| (f64::from(digit) * 10f64.powi(power), named.contains(&digit)))
+            .filter(|(value, _)| (self.from..=self.to).contains(&value.log10()))
             .collect()
     }
 }

@@ -287,7 +287,7 @@ const COLUMNS = [
   ["> 4 %", "Pixels off by more than 4 levels", (r) => r.error?.over_4, percent],
   ["> 16 %", "Pixels off by more than 16 levels", (r) => r.error?.over_16, percent],
   ["PSNR", "Peak signal to noise ratio, dB; more is better", (r) => r.error?.psnr, short, "plain"],
-  ["SSIM", "Structural similarity; 1 is alike", (r) => r.error?.ssim, (v) => v === undefined ? "–" : v.toFixed(5), "plain"],
+  ["SSIM", "Structural similarity; 1 is alike", (r) => r.error?.ssim, (v) => (v ?? null) === null ? "–" : v.toFixed(5), "plain"],
   ["FLIP", "LDR-FLIP; 0 is alike", (r) => r.error?.flip, short],
   ["seam", "Mean error where the reference is flat all around, levels", (r) => r.seams?.mean, short],
   ["seam worst", "Largest error where the reference is flat all around, levels", (r) => r.seams?.max, short],
@@ -342,8 +342,8 @@ function line({ r, i, best }, columns, rows) {
     const value = get(r);
     if (!format) return make("td", { innerHTML: value ? spark(value, rows) : "–" });
     const cell = make("td", { textContent: format(value) });
-    const all = rows.map(({ r }) => get(r)).filter((v) => v > 0);
-    if (!plain && value > 0 && all.length > 1) {
+    const all = rows.map(({ r }) => get(r)).filter((v) => v > 1e-6);
+    if (!plain && value > 1e-6 && all.length > 1) {
       const [low, high] = [Math.log(Math.min(...all)), Math.log(Math.max(...all))];
       const share = high > low ? 0.06 + (0.94 * (Math.log(value) - low)) / (high - low) : 0;
       cell.className = "meter";
