@@ -179,7 +179,7 @@ fn a_picture_of_another_size_is_one_clear_line() {
 #[test]
 fn what_is_wrong_with_the_command_line_is_one_line() {
     let folder = Folder::new();
-    let cases: [(&[&str], &str); 8] = [
+    let cases: [(&[&str], &str); 9] = [
         (&[], "<IN>"),
         (&["in.svg", "--methods", "grid:0"], "'grid:0' needs a number from 1 to 32"),
         (&["in.svg", "--methods", "fancy"], "unknown method 'fancy'"),
@@ -188,6 +188,7 @@ fn what_is_wrong_with_the_command_line_is_one_line() {
         (&["in.svg", "--pan", "1"], "--pan"),
         (&["in.svg", "--budget", "0"], "--budget"),
         (&["in.svg", "in.svg", "--against", "x.png"], "one drawing"),
+        (&["-", "in.svg", "-"], "only once"),
     ];
     for (arguments, contains) in cases {
         assert_one_line(&folder.compare(arguments), 2, contains);

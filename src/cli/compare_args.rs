@@ -118,6 +118,10 @@ impl CompareArguments {
         if inputs.len() > 1 && !self.against.is_empty() {
             return Err("--against goes with one drawing (see --help)".to_string());
         }
+        let inputs: Vec<Source> = inputs.iter().map(|path| Source::from_argument(path)).collect();
+        if inputs.iter().filter(|input| **input == Source::Stdin).count() > 1 {
+            return Err("standard input can be read only once".to_string());
+        }
         args::log_if(output.verbose);
         let mut methods = self.methods;
         if methods.is_empty() {
@@ -150,7 +154,7 @@ impl CompareArguments {
             cache,
         };
         Ok(Job::Compare(Box::new(CompareJob {
-            inputs: inputs.iter().map(|path| Source::from_argument(path)).collect(),
+            inputs,
             against: self.against,
             reading: args::options(&reading, &size, &fonts)?,
             resources_dir: reading.resources_dir,

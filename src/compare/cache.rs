@@ -233,10 +233,14 @@ mod tests {
         cache.keep(key, &truth());
         let path = cache.path(key);
         let whole = fs::read(&path).unwrap();
-        let mut turned = whole.clone();
-        let last = turned.len() - 9;
-        turned[last] ^= 0x10;
-        for damaged in [&whole[..whole.len() / 2], &whole[..0], b"what is this?", &turned] {
+        let turned = |at: usize| {
+            let mut turned = whole.clone();
+            turned[at] ^= 0x10;
+            turned
+        };
+        // In the packed pixels, and in the checksum: its last byte is the fifth from the end.
+        let (pixels, checksum) = (turned(whole.len() / 2), turned(whole.len() - 5));
+        for damaged in [&whole[..whole.len() / 2], &whole[..0], b"what is this?", &pixels, &checksum] {
             fs::write(&path, damaged).unwrap();
             assert!(cache.find(key, 3, 2).is_none(), "{} bytes", damaged.len());
         }
