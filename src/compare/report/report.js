@@ -189,7 +189,9 @@ function listSpots() {
     const button = make("button", { type: "button", textContent: `${spot.x}, ${spot.y} · ${short(spot.error)}`, title: `column ${spot.x}, row ${spot.y}: off by ${short(spot.error)} levels` });
     button.onclick = () => {
       view.spot = { x: spot.x - input.part.x, y: spot.y - input.part.y };
-      [view.x, view.y, view.zoom, view.fit] = [view.spot.x + 0.5, view.spot.y + 0.5, 16, false];
+      // Beside the line, on the side of the picture that errs.
+      const aside = view.mode === "side" ? 0 : worse === view.left ? 4 : -4;
+      [view.x, view.y, view.zoom, view.fit, view.split] = [view.spot.x + 0.5 + aside, view.spot.y + 0.5, 16, false, 0.5];
       for (const other of list.querySelectorAll("button")) other.setAttribute("aria-pressed", other === button);
       draw();
     };
@@ -417,8 +419,8 @@ function bars() {
   const rows = input.records.filter((r) => r.stages.length);
   const total = (r) => r.stages.reduce((sum, s) => sum + s.median, 0);
   const most = Math.max(...rows.map(total));
-  const names = [...new Set(rows.flatMap((r) => r.stages.map((s) => s.name)))];
-  const colour = (name) => `var(--c${(names.indexOf(name) % 8) + 1})`;
+  const names = [...new Set(rows.flatMap((r) => r.stages.map((s) => s.name)))].sort((a, b) => (a === "other") - (b === "other"));
+  const colour = (name) => (name === "other" ? "var(--soft)" : `var(--c${(names.indexOf(name) % 8) + 1})`);
   const bar = (r) => {
     const parts = r.stages.map((s) => {
       const part = make("i", { title: `${s.name}: ${short(s.median)} ms (${short(s.min)} to ${short(s.max)}, ${plural(s.runs, "run")})` });
