@@ -148,6 +148,23 @@ fn size_runs_and_methods_are_the_users() {
 }
 
 #[test]
+fn a_method_has_fewer_runs_where_its_time_is_up_and_says_so() {
+    let folder = Folder::new();
+    let budget = ["--runs", "500", "--budget", "0.05", "-w", "1600", "-t", "1"];
+    let records = folder.records(&[&["in.svg", "--methods", "exact"], &budget[..]].concat());
+    let runs = records[0]["raster_ms"]["runs"].as_u64().unwrap();
+    assert!((1..500).contains(&runs), "{runs}");
+    assert_eq!(records[0]["notes"][0], format!("{runs} of 500 runs: more would take longer than 0.05 s"));
+}
+
+#[test]
+fn the_reference_follows_background_and_linear_light() {
+    let folder = Folder::new();
+    let records = folder.records(&["in.svg", "--methods", "exact", "--linear", "--background", "#123"]);
+    assert!(records[0]["error"]["max"].as_f64().unwrap() < 1.0, "{}", records[0]["error"]);
+}
+
+#[test]
 fn all_methods_are_compared_by_default_and_one_that_cannot_is_a_row_with_its_reason() {
     let folder = Folder::new();
     let records = folder.records(&["in.svg"]);

@@ -155,9 +155,9 @@ impl Progress {
         Progress { style, total, done: 0, started: Instant::now(), drawn: false }
     }
 
-    /// Says what begins, where the work on one input is long.
+    /// Says what begins, where the work on one input is known to be long.
     pub fn begin(&mut self, what: &str) {
-        if self.style == ProgressStyle::Bar && self.started.elapsed() > Self::PATIENCE {
+        if self.style == ProgressStyle::Bar {
             self.draw(what);
         }
     }
