@@ -184,7 +184,12 @@ fn table(comparison: &Comparison) -> String {
         "errors in 8-bit levels; ±: half of the runs lie within it; seam: mean error where the truth is flat"
     );
     let about = &first.reference;
-    let _ = write!(text, "reference: {:.0} ms{}", about.ms, if about.cached { " (kept)" } else { "" });
+    let kept = if about.cached { " (kept)" } else { "" };
+    let _ = write!(
+        text,
+        "reference: {:.0} ms{kept}; each edge within {:.2} levels",
+        about.ms, about.tolerance_levels
+    );
     for own in &about.own_error {
         let _ = write!(text, "; {:.4} mean, {:.3} at most from one with {}", own.mean, own.max, own.against);
     }
