@@ -103,7 +103,10 @@ impl Page {
         bytes.push(0);
         self.commands.write_all(&bytes).unwrap();
         loop {
-            let message = self.messages.recv_timeout(PATIENCE).expect("the browser answers");
+            let message = self
+                .messages
+                .recv_timeout(PATIENCE)
+                .expect("the browser answers (CHROMIUM names another one)");
             if message["id"] == self.last_id {
                 assert!(message["error"].is_null(), "{method}: {}", message["error"]);
                 return message["result"].clone();
