@@ -21,6 +21,7 @@
 //! | [`pixmap`] | rows of pixels → [`Pixmap`] |
 //! | [`encode`] | rows of pixels → PNG |
 //! | [`mod@reference`] | the same drawing computed another way, slowly: the truth the tests compare with |
+//! | [`mod@compare`] | a drawing → what each method gets wrong on it, and what it costs; a page to look at |
 //!
 //! # Example
 //!
@@ -82,7 +83,10 @@ pub mod pixmap;
 pub mod encode;
 
 pub mod error;
+
 pub mod reference;
+
+pub mod compare;
 
 mod bitmap;
 
