@@ -307,11 +307,11 @@ fn walk(
 ) {
     let count = corners.len();
     let met =
-        |corner: usize| corners[corner].is_some_and(|c| c.inner_join == InnerJoin::Meet && c.inner == which);
-    for segment in 0..count {
-        let ends = (!met((segment + count - 1) % count), !met(segment));
+        |corner: &Option<Corner>| corner.is_some_and(|c| c.inner_join == InnerJoin::Meet && c.inner == which);
+    for (segment, corner) in corners.iter().enumerate() {
+        let ends = (!met(&corners[(segment + count - 1) % count]), !met(corner));
         Side { stations: spine.stations(segment), which, nib }.walk(ends, folds, add);
-        if let Some(corner) = &corners[segment] {
+        if let Some(corner) = corner {
             corner.walk(which, style, nib, add);
         }
     }
