@@ -3,10 +3,30 @@
 //! | module | methods |
 //! |---|---|
 //! | [`crate::band`] | `exact`, `none`: the renderer itself |
+//! | `adaptive` | `adaptive:N`: more samples where the first ones differ |
+//! | `corner` | `corner`, `corner:tiny`: borders found between the corners of pixels |
+//! | `area`, `cone` | each shape's share of a square or a disk, painted over what is below |
+//! | `beam` | the visible polygons of the whole picture |
+//! | `tiny_skia` | resvg's renderer |
+//!
+//! What some of them share: `borders` (a row of an outline, and what cuts its pixels), `points` (the
+//! colour at a point), `shares` (areas painted over one another), `footprint` (the area of an outline
+//! within a pixel's square or disk).
 //!
 //! A method that works band by band is a [`BandPainter`]; one that must see the whole picture at once is
 //! a [`PicturePainter`]. A new method is an arm of [`Method`], a line in [`Method::ALL`], a file here
 //! and an arm of [`painter`].
+
+mod adaptive;
+mod area;
+//mod beam;
+mod borders;
+mod cone;
+mod corner;
+mod footprint;
+mod points;
+mod shares;
+//mod tiny_skia;
 
 use crate::band::{BandRenderer, Laps, Picture};
 use crate::cel::Rows;
@@ -164,7 +184,6 @@ pub(crate) type PicturePainter = fn(&Scene, &Viewport, &Settings, &mut [u8], usi
 /// Who does it.
 pub(crate) enum Painter {
     Bands(Box<dyn BandPainter>),
-    #[allow(dead_code)]
     Picture(PicturePainter),
 }
 
@@ -175,6 +194,13 @@ pub(crate) enum Painter {
 pub(crate) fn painter(method: Method, width: u32, height: u32) -> Result<Painter, Error> {
     match method {
         Method::Exact | Method::None => Ok(Painter::Bands(Box::new(BandRenderer::new(width, height)))),
+        Method::Adaptive(most) => Ok(Painter::Bands(Box::new(adaptive::Adaptive::new(most, width, height)))),
+        Method::Corner => Ok(Painter::Bands(Box::new(corner::Corner::new(width, height)))),
+        Method::CornerTiny => Ok(Painter::Bands(Box::new(corner::Corner::tiny(width, height)))),
+        Method::Cone => Ok(Painter::Bands(cone::painter(width, height))),
+        Method::Area => Ok(Painter::Bands(area::painter(width, height))),
+        //Method::Beam => Ok(Painter::Picture(beam::paint)),
+        //Method::TinySkia => Ok(Painter::Picture(tiny_skia::paint)),
         other => Err(Error::Setting(format!("the method {other} comes in a later version"))),
     }
 }
