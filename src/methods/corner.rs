@@ -110,13 +110,14 @@ impl Corner {
         side: i32,
         at: impl Fn(i32) -> (i32, i32),
     ) -> Option<i32> {
-        if !differ(from, to) {
+        if distance(from, to) <= THRESHOLD {
             return None;
         }
         let (mut low, mut high) = (0, side);
         while high - low > (side / SEARCH_SHARE).max(1) {
             let middle = (low + high) / 2;
-            if differ(from, self.color(picture, y, at(middle))) {
+            let color = self.color(picture, y, at(middle));
+            if distance(color, to) < distance(color, from) {
                 high = middle;
             } else {
                 low = middle;
@@ -268,8 +269,9 @@ fn triangle(a: (i32, i32), b: (i32, i32), c: (i32, i32)) -> i64 {
     i64::from(b.0) * i64::from(c.1) - i64::from(b.1) * i64::from(c.0)
 }
 
-fn differ(a: Sheet, b: Sheet) -> bool {
-    a.channels().iter().zip(b.channels()).any(|(a, b)| (a - b).abs() > THRESHOLD)
+/// The largest difference of any channel.
+fn distance(a: Sheet, b: Sheet) -> f32 {
+    a.channels().iter().zip(b.channels()).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max)
 }
 
 impl BandPainter for Corner {

@@ -19,14 +19,14 @@
 
 mod adaptive;
 mod area;
-//mod beam;
+mod beam;
 mod borders;
 mod cone;
 mod corner;
 mod footprint;
 mod points;
 mod shares;
-//mod tiny_skia;
+mod tiny_skia;
 
 use crate::band::{BandRenderer, Laps, Picture};
 use crate::cel::Rows;
@@ -199,8 +199,8 @@ pub(crate) fn painter(method: Method, width: u32, height: u32) -> Result<Painter
         Method::CornerTiny => Ok(Painter::Bands(Box::new(corner::Corner::tiny(width, height)))),
         Method::Cone => Ok(Painter::Bands(cone::painter(width, height))),
         Method::Area => Ok(Painter::Bands(area::painter(width, height))),
-        //Method::Beam => Ok(Painter::Picture(beam::paint)),
-        //Method::TinySkia => Ok(Painter::Picture(tiny_skia::paint)),
+        Method::Beam => Ok(Painter::Picture(beam::paint)),
+        Method::TinySkia => Ok(Painter::Picture(tiny_skia::paint)),
         other => Err(Error::Setting(format!("the method {other} comes in a later version"))),
     }
 }
