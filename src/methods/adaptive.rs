@@ -164,9 +164,8 @@ impl Adaptive {
 /// Do four samples show the same?
 fn agree(four: &[Square; 4]) -> bool {
     let first = four[0].color.channels();
-    let same = |square: &Square| {
-        square.color.channels().iter().zip(first).all(|(a, b)| (a - b).abs() <= SAME)
-    };
+    let same =
+        |square: &Square| square.color.channels().iter().zip(first).all(|(a, b)| (a - b).abs() <= SAME);
     four[1..].iter().all(same)
 }
 

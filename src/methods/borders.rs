@@ -154,8 +154,7 @@ impl Extent {
         if top >= bottom {
             return None;
         }
-        let slope =
-            (f64::from(edge.x1) - f64::from(edge.x0)) / (f64::from(edge.y1) - f64::from(edge.y0));
+        let slope = (f64::from(edge.x1) - f64::from(edge.x0)) / (f64::from(edge.y1) - f64::from(edge.y0));
         let x_at = |y: i32| match y {
             y if y == edge.y0 => f64::from(edge.x0),
             y if y == edge.y1 => f64::from(edge.x1),
@@ -205,8 +204,7 @@ impl RowMaker {
         row.runs.clear();
         row.steps.clear();
         row.edges.clear();
-        let edges =
-            outline.edges(&mut self.flattener, &mut self.list, picture.to_pixels, picture.tolerance);
+        let edges = outline.edges(&mut self.flattener, &mut self.list, picture.to_pixels, picture.tolerance);
         let band = (y / BAND_ROWS) as usize;
         let (top, bottom) = ((band as i32 * BAND_ROWS as i32) << FRACTION_BITS, BAND_ROWS as i32 * ONE);
         self.extents.clear();

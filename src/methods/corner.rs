@@ -12,12 +12,18 @@
 //! ```
 //!
 //! Promises: one straight border through a pixel is exact but for the search's step; the areas sum to
-//! the pixel. What it gets wrong, as its authors say, is all that the corners cannot tell:
-//! polygons inside a pixel; polygons that reach in through one side only; several borders across one
-//! side, of which one is found at most; thin polygons, that pass between the corners; vertices inside a
-//! pixel, for which m stands; more than two colours on one side. Their remedy for tiny polygons is
+//! the pixel. A corner that lies on a border of polygons would count for the pixel at its lower right
+//! alone: the others look again from just inside.
+//!
+//! What it gets wrong is all that the corners cannot tell: polygons inside a pixel; polygons that reach
+//! in through one side only; several borders across one side, of which one is found at most; thin
+//! polygons, that pass between the corners; vertices inside a pixel, for which m stands; more colours on
+//! one side than its ends have (`samples/corner-*.svg`, one each). The remedy for tiny polygons is
 //! `corner:tiny`: a pixel that holds corners of polygons is cut in four, three times at most, and each
 //! part treated as a pixel. It does not help thin polygons, whose corners lie elsewhere.
+//!
+//! Where two corners differ by a gradient, the change is taken to be where the colour is as near to one
+//! as to the other.
 
 use super::points::PointRow;
 use super::BandPainter;
@@ -160,12 +166,7 @@ impl Corner {
         let back = |change: Option<i32>| change.map(|along| ONE - along);
         Border {
             corners: [upper.corners[x], upper.corners[x + 1], lower.corners[x + 1], lower.corners[x]],
-            changes: [
-                upper.changes[x],
-                self.sides[x + 1],
-                back(lower.changes[x]),
-                back(self.sides[x]),
-            ],
+            changes: [upper.changes[x], self.sides[x + 1], back(lower.changes[x]), back(self.sides[x])],
         }
     }
 
@@ -196,13 +197,11 @@ impl Corner {
         }
     }
 
-    /// Looks along the border of a part of a pixel.
+    /// Looks along the border of a pixel or a part of one, from just inside.
     fn look_round(&mut self, picture: &Picture, y: u32, Square { x, y: top, side }: Square) -> Border {
-        let at = |side_number: usize, along: i32| match side_number {
-            0 => (x + along, top),
-            1 => (x + side, top + along),
-            2 => (x + side - along, top + side),
-            _ => (x, top + side - along),
+        let at = |number: usize, along: i32| {
+            let (u, v) = place(side - 1, number, along.min(side - 1));
+            (x + u, top + v)
         };
         let corners: [Sheet; 4] = std::array::from_fn(|i| self.color(picture, y, at(i, 0)));
         let changes = std::array::from_fn(|i| {
@@ -227,22 +226,28 @@ impl Corner {
                 return mean;
             }
         }
-        self.border(x).mix(ONE, picture.around.linear, &mut mean);
+        let mut border = self.border(x);
+        if border.is_met_at_a_corner() {
+            border = self.look_round(picture, y, square);
+        }
+        border.mix(ONE, picture.around.linear, &mut mean);
         mean
     }
 }
 
 impl Border {
+    /// Does a colour end where a side does? A corner on a border of polygons, as where these lie on the
+    /// grid of pixels, shows only one of the pixels around it what it looks like.
+    fn is_met_at_a_corner(&self) -> bool {
+        const STEP: i32 = ONE / SEARCH_SHARE;
+        self.changes.iter().flatten().any(|along| !(STEP..=ONE - STEP).contains(along))
+    }
+
     /// Adds the colours of a square of this side, each by its area.
     fn mix(&self, side: i32, linear: bool, mean: &mut Mean) {
         // The pixel's area is twice the square of its side: a triangle's is its cross product.
         let whole = 2 * i64::from(side) * i64::from(side);
-        let place = |number: usize, along: i32| match number {
-            0 => (along, 0),
-            1 => (side, along),
-            2 => (side - along, side),
-            _ => (0, side - along),
-        };
+        let place = |number, along| place(side, number, along);
         let found: Vec<(i32, i32)> =
             self.changes.iter().enumerate().filter_map(|(i, at)| at.map(|along| place(i, along))).collect();
         if found.is_empty() {
@@ -259,6 +264,16 @@ impl Border {
             mean.add(self.corners[i], triangle(middle, from, change), linear);
             mean.add(self.corners[(i + 1) % 4], triangle(middle, change, to), linear);
         }
+    }
+}
+
+/// The point this far along a side of a square, clockwise; from the square's upper left corner.
+fn place(side: i32, number: usize, along: i32) -> (i32, i32) {
+    match number {
+        0 => (along, 0),
+        1 => (side, along),
+        2 => (side - along, side),
+        _ => (0, side - along),
     }
 }
 
@@ -300,9 +315,6 @@ impl BandPainter for Corner {
     }
 
     fn take_counts(&mut self) -> Vec<(&'static str, u64)> {
-        vec![
-            ("samples", std::mem::take(&mut self.samples)),
-            ("pixels_cut", std::mem::take(&mut self.cut)),
-        ]
+        vec![("samples", std::mem::take(&mut self.samples)), ("pixels_cut", std::mem::take(&mut self.cut))]
     }
 }

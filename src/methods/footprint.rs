@@ -56,7 +56,8 @@ impl Line {
 
     /// The footprint's area left of it within [from, to).
     fn area_left<F: Footprint>(&self, from: f64, to: f64) -> f64 {
-        let mut cuts = F::meets(self.x, self.slope).map(|y| if y.is_finite() { y.clamp(from, to) } else { from });
+        let mut cuts =
+            F::meets(self.x, self.slope).map(|y| if y.is_finite() { y.clamp(from, to) } else { from });
         cuts.sort_unstable_by(f64::total_cmp);
         let mut area = F::half_area(from, to);
         let mut last = from;

@@ -28,7 +28,8 @@ pub(super) fn paint(
 ) -> Result<(), Error> {
     if settings.linear {
         return Err(Error::Setting(
-            "the method tiny-skia cannot mix in linear light: leave out --linear or choose another method".into(),
+            "the method tiny-skia cannot mix in linear light: leave out --linear or choose another method"
+                .into(),
         ));
     }
     let (width, height) = (viewport.width, viewport.height);
@@ -145,7 +146,8 @@ impl Painter<'_> {
     }
 
     fn draw(&self, geometry: &Geometry, shader: Shader, blend_mode: BlendMode, canvas: &mut Layer) {
-        let paint = tiny_skia::Paint { shader, blend_mode, anti_alias: !geometry.crisp, ..Default::default() };
+        let paint =
+            tiny_skia::Paint { shader, blend_mode, anti_alias: !geometry.crisp, ..Default::default() };
         let transform = transform(canvas.shift() * self.viewport.transform * geometry.transform);
         match &geometry.outline {
             Outline::Fill(rule) => {

@@ -116,8 +116,7 @@ impl Tracer<'_> {
     /// Sends the beam through all shapes, front to back.
     fn trace(&mut self) -> Result<(), Error> {
         let (right, bottom) = (self.viewport.width as i32 * ONE, self.viewport.height as i32 * ONE);
-        let mut beam =
-            vec![Part { region: Region::rectangle(right, bottom), front: Front::default() }];
+        let mut beam = vec![Part { region: Region::rectangle(right, bottom), front: Front::default() }];
         for number in (0..self.scene.shapes.len()).rev() {
             if beam.is_empty() {
                 return Ok(());

@@ -133,12 +133,8 @@ impl Region {
         let (near, far): (Vec<Piece>, Vec<Piece>) =
             self.pieces.into_iter().partition(|piece| meets(piece, &by.pieces));
         let shapes: Vec<IntShape<i32>> = near.iter().map(|piece| piece.shape.clone()).collect();
-        let by: Vec<IntShape<i32>> = by
-            .pieces
-            .iter()
-            .filter(|piece| meets(piece, &near))
-            .map(|piece| piece.shape.clone())
-            .collect();
+        let by: Vec<IntShape<i32>> =
+            by.pieces.iter().filter(|piece| meets(piece, &near)).map(|piece| piece.shape.clone()).collect();
         let mut outside = Region { pieces: far };
         work.spend(shapes.iter().chain(&by).flatten().map(Vec::len).sum())?;
         let mut overlay = Overlay::from_subj_and_clip(&shapes, &by);
