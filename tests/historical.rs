@@ -190,7 +190,10 @@ fn all_draw_the_same_picture_in_the_mean() {
                     sum += distance(premultiplied(picture.pixel(x, y)), premultiplied(exact.pixel(x, y)));
                 }
             }
-            let most = if method == Method::Adaptive(1) { 12.0 } else { 5.0 };
+            // Seams, and single samples.
+            let is_coarse =
+                matches!(method, Method::Adaptive(1) | Method::Area | Method::Cone | Method::TinySkia);
+            let most = if is_coarse { 12.0 } else { 5.0 };
             assert!(sum / pixels < most, "{name} by {method}: {:.2} levels off in the mean", sum / pixels);
         }
     }

@@ -217,7 +217,7 @@ impl Random {
 
     /// 0 .. `end`.
     fn below(&mut self, end: u32) -> u32 {
-        (u64::from(self.next()) * u64::from(end) >> 32) as u32
+        ((u64::from(self.next()) * u64::from(end)) >> 32) as u32
     }
 }
 

@@ -135,7 +135,7 @@ impl PointRow {
         }
         let within: Vec<u32> = clip.within.iter().map(|&other| self.clip(picture, y, other)).collect();
         let mut row = ClipRow { members, within, sides: Vec::new(), known: (0, false) };
-        row.sides = (0..self.width).map(|x| row.side(x, &self.clips)).collect();
+        row.sides = row.sides(self.width, &self.clips);
         self.clips.push(row);
         let number = (self.clips.len() - 1) as u32;
         self.clip_numbers.insert(id, number);
@@ -243,29 +243,42 @@ impl PointRow {
 }
 
 impl ClipRow {
-    /// How a pixel lies to this clip; the clips that it refers to are known.
-    fn side(&self, pixel: usize, clips: &[ClipRow]) -> Side {
-        let both = |a: Side, b: Side| match (a, b) {
+    /// How each pixel lies to this clip; the clips that it refers to are known.
+    fn sides(&self, width: usize, clips: &[ClipRow]) -> Vec<Side> {
+        let mut sides = vec![Side::Outside; width];
+        for (row, within) in &self.members {
+            let within = within.map(|number| &clips[number as usize].sides);
+            for run in row.runs() {
+                let own = if run.cut.is_none() { Side::Inside } else { Side::Partly };
+                for x in run.from..run.to {
+                    let clipped = own.and(within.map_or(Side::Inside, |within| within[x]));
+                    sides[x] = sides[x].or(clipped);
+                }
+            }
+        }
+        for &other in &self.within {
+            let others = &clips[other as usize].sides;
+            sides.iter_mut().zip(others).for_each(|(side, &other)| *side = side.and(other));
+        }
+        sides
+    }
+}
+
+impl Side {
+    fn and(self, other: Side) -> Side {
+        match (self, other) {
             (Side::Outside, _) | (_, Side::Outside) => Side::Outside,
             (Side::Inside, Side::Inside) => Side::Inside,
             _ => Side::Partly,
-        };
-        let either = |a: Side, b: Side| match (a, b) {
+        }
+    }
+
+    fn or(self, other: Side) -> Side {
+        match (self, other) {
             (Side::Inside, _) | (_, Side::Inside) => Side::Inside,
             (Side::Outside, Side::Outside) => Side::Outside,
             _ => Side::Partly,
-        };
-        let other = |number: u32| clips[number as usize].sides[pixel];
-        let member = |(row, within): &(BorderRow, Option<u32>)| {
-            let own = match row.run_at(pixel) {
-                None => Side::Outside,
-                Some(run) if run.cut.is_none() => Side::Inside,
-                Some(_) => Side::Partly,
-            };
-            both(own, within.map_or(Side::Inside, other))
-        };
-        let union = self.members.iter().map(member).fold(Side::Outside, either);
-        self.within.iter().map(|&number| other(number)).fold(union, both)
+        }
     }
 }
 

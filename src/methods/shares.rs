@@ -27,7 +27,6 @@ pub(super) struct SharePainter<F> {
     layers: Vec<Vec<Sheet>>,
     open: Vec<GroupId>,
     clips: HashMap<ClipId, Vec<f32>>,
-    shares: Vec<f32>,
     footprint: PhantomData<fn(F)>,
 }
 
@@ -42,7 +41,6 @@ impl<F: Footprint> SharePainter<F> {
             layers: vec![Vec::new()],
             open: vec![0],
             clips: HashMap::new(),
-            shares: Vec::new(),
             footprint: PhantomData,
         }
     }
@@ -144,10 +142,14 @@ impl<F: Footprint> SharePainter<F> {
             if !touches(outline, y) {
                 continue;
             }
-            self.outline_shares(picture, outline, y);
+            let window = window::<F>(y, self.height);
+            self.maker.make(picture, outline, y, window, &mut self.border);
             let within = member.clip.map(|inner| &self.clips[&inner]);
-            for (x, outside) in outside.iter_mut().enumerate() {
-                *outside *= 1.0 - self.shares[x] * within.map_or(1.0, |within| within[x]);
+            for run in self.border.runs() {
+                for x in run.from..run.to {
+                    let share = |cut| self.ruler.share::<F>(&self.border, cut, (x, y), window) as f32;
+                    outside[x] *= 1.0 - run.cut.map_or(1.0, share) * within.map_or(1.0, |within| within[x]);
+                }
             }
         }
         let mut shares: Vec<f32> = outside.iter().map(|outside| 1.0 - outside).collect();
@@ -155,22 +157,6 @@ impl<F: Footprint> SharePainter<F> {
             shares.iter_mut().zip(&self.clips[other]).for_each(|(share, other)| *share *= other);
         }
         self.clips.insert(id, shares);
-    }
-
-    /// An outline's shares of a whole row.
-    fn outline_shares(&mut self, picture: &Picture, outline: &PlacedOutline, y: u32) {
-        let window = window::<F>(y, self.height);
-        let mut border = std::mem::take(&mut self.border);
-        self.maker.make(picture, outline, y, window, &mut border);
-        self.shares.clear();
-        self.shares.resize(self.width, 0.0);
-        for run in border.runs() {
-            for x in run.from..run.to {
-                self.shares[x] =
-                    run.cut.map_or(1.0, |cut| self.ruler.share::<F>(&border, cut, (x, y), window) as f32);
-            }
-        }
-        self.border = border;
     }
 }
 

@@ -141,26 +141,30 @@ impl Tracer<'_> {
     fn meet(&mut self, beam: Vec<Part>, number: u32, shape: &Region) -> Result<Vec<Part>, Error> {
         let Tracer { scene, .. } = *self;
         let group = scene.shapes[number as usize].group;
-        let mut on: Vec<Part> = Vec::new();
+        let (mut on, mut covered): (Vec<Part>, Vec<Part>) = Default::default();
         for mut part in beam {
             part.front.enter(scene, group);
             if part.front.hidden {
-                add(&mut on, part);
+                on.push(part);
                 continue;
             }
             let (inside, outside) = part.region.cut(shape, &mut self.work)?;
             if !inside.is_empty() {
                 let mut front = part.front.clone();
                 front.push(&scene.shapes[number as usize].paint, number);
-                let covered = Part { region: inside, front };
-                if covered.front.hidden && covered.front.open.is_empty() {
-                    self.show(covered);
-                } else {
-                    add(&mut on, covered);
-                }
+                covered.push(Part { region: inside, front });
             }
             if !outside.is_empty() {
-                add(&mut on, Part { region: outside, front: part.front });
+                on.push(Part { region: outside, front: part.front });
+            }
+        }
+        for part in covered {
+            if part.front.hidden && part.front.open.is_empty() {
+                self.show(part);
+            } else if let Some(same) = on.iter_mut().find(|other| other.front == part.front) {
+                same.region.append(part.region);
+            } else {
+                on.push(part);
             }
         }
         let corners: usize = on.iter().map(|part| part.region.corners()).sum();
@@ -197,29 +201,22 @@ impl Tracer<'_> {
             return Ok(());
         }
         let clip = &self.scene.clips[id as usize];
-        let mut region = Region::default();
+        let mut members = Region::default();
         for member in &clip.members {
             let mut own = self.region(&member.geometry)?;
             if let Some(inner) = member.clip {
                 self.prepare_clip(inner)?;
                 own = own.cut(&self.clips[&inner], &mut self.work)?.0;
             }
-            region = region.union(own, &mut self.work)?;
+            members.append(own);
         }
+        let mut region = members.united(&mut self.work)?;
         for &other in &clip.within {
             self.prepare_clip(other)?;
             region = region.cut(&self.clips[&other], &mut self.work)?.0;
         }
         self.clips.insert(id, region);
         Ok(())
-    }
-}
-
-/// Adds a part to those that go on.
-fn add(beam: &mut Vec<Part>, part: Part) {
-    match beam.iter_mut().find(|other| other.front == part.front) {
-        Some(same) => same.region.append(part.region),
-        None => beam.push(part),
     }
 }
 

@@ -19,7 +19,7 @@ pub(super) type Contour = IntContour<i32>;
 /// Polygon edges that one picture may hand over to be cut: some ten seconds' work.
 const MOST_EDGES: usize = 20_000_000;
 
-/// A part of the plane: connected pieces that do not overlap.
+/// A part of the plane: connected pieces that do not overlap, unless [`Region::united`] is still to be called.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Region {
     pieces: Vec<Piece>,
@@ -116,14 +116,14 @@ impl Region {
         self.contours().map(Vec::len).sum()
     }
 
-    /// Adds a region that does not overlap this one.
+    /// Adds a region, which does not overlap this one or is united with it later.
     pub fn append(&mut self, other: Region) {
         self.pieces.extend(other.pieces);
     }
 
-    /// What lies in either.
-    pub fn union(self, other: Region, work: &mut Work) -> Result<Region, Error> {
-        let contours: Vec<Contour> = self.contours().chain(other.contours()).cloned().collect();
+    /// The same where its pieces may overlap.
+    pub fn united(self, work: &mut Work) -> Result<Region, Error> {
+        let contours: Vec<Contour> = self.contours().cloned().collect();
         Region::new(&contours, crate::scene::FillRule::NonZero, work)
     }
 
