@@ -6,7 +6,7 @@
 //! | method | exception |
 //! |---|---|
 //! | `tiny-skia` | refuses `--linear`; 4 x 4 samples a pixel |
-//! | `beam` | refuses drawings past a number of polygon edges, and pictures past 2^24 pixels |
+//! | `beam` | refuses drawings past a number of polygon edges, and pictures past 2^23 pixels |
 //! | `cone` | a disk, not the pixel: areas differ from the pixel's even for one shape |
 //! | `area`, `cone`, `tiny-skia` | shared borders leave seams, stacked shapes fringes |
 //! | `corner` | knows nothing but the corners: see its six samples |

@@ -67,11 +67,13 @@ pub enum Method {
     CornerTiny,
     /// A disk for each pixel's footprint (Amanatides 1984).
     Cone,
-    /// Visible polygons of the whole picture, found once (Heckbert & Hanrahan 1984).
+    /// Visible polygons of the whole picture, found once (Heckbert & Hanrahan 1984). Rendering fails
+    /// with [`Error::Limit`] where a drawing or a picture is too large for it.
     Beam,
     /// Exact area of each shape alone, painted over what is below: seams and all.
     Area,
-    /// tiny-skia, resvg's renderer.
+    /// tiny-skia, resvg's renderer. Rendering fails with [`Error::Setting`] where light is to be mixed
+    /// linearly, which it cannot do.
     TinySkia,
 }
 

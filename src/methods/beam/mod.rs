@@ -8,7 +8,9 @@
 //! group it goes on until the group ends.
 //!
 //! Promises: an independent witness for `exact`: it shares the scene and the pen with it, and neither
-//! flattening, strips, nor integrator. Gradients are taken at the middle of what is visible in a pixel.
+//! flattening, strips, nor integrator. Opacity, groups, clips and shapes that are not smoothed are done as
+//! they should be. Gradients are taken at the middle of what is visible in a pixel, of each part once:
+//! where one is steep within a pixel, it and `exact` look at different places and may differ.
 //! What it cannot do: large drawings. The work grows with the beam's edges times the shapes, and what
 //! crosses in one cut is not known beforehand; past a number of edges it says so.
 
@@ -31,7 +33,7 @@ const MOST_PARTS: usize = 4096;
 /// The most corners of all of them: some 200 MB.
 const MOST_CORNERS: usize = 8_000_000;
 /// The most pixels: sums take 40 bytes each.
-const MOST_PIXELS: u64 = 1 << 24;
+const MOST_PIXELS: u64 = 1 << 23;
 
 /// What lies in front of a part of the beam, front to back.
 #[derive(Clone, Copy, Debug, PartialEq)]

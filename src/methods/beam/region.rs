@@ -16,8 +16,8 @@ pub(super) type Corner = IntPoint<i32>;
 /// A closed polygon.
 pub(super) type Contour = IntContour<i32>;
 
-/// Polygon edges that one picture may hand over to be cut: some ten seconds' work.
-const MOST_EDGES: usize = 20_000_000;
+/// Polygon edges that one picture may hand over to be cut: five to ten seconds' work for most drawings.
+const MOST_EDGES: usize = 12_000_000;
 
 /// A part of the plane: connected pieces that do not overlap, unless [`Region::united`] is still to be called.
 #[derive(Clone, Debug, Default)]
