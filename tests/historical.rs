@@ -5,11 +5,12 @@
 //!
 //! | method | exception |
 //! |---|---|
-//! | `tiny-skia` | refuses `--linear`; 4 x 4 samples a pixel |
-//! | `beam` | refuses drawings past a number of polygon edges, and pictures past 2^23 pixels |
+//! | `tiny-skia` | refuses `--linear` and coordinates past 1e9 pixels; 4 x 4 samples a pixel |
+//! | `beam` | refuses drawings past a number of polygon edges or crossings, and pictures past 2^23 pixels |
 //! | `cone` | a disk, not the pixel: areas differ from the pixel's even for one shape |
 //! | `area`, `cone`, `tiny-skia` | shared borders leave seams, stacked shapes fringes |
 //! | `corner` | knows nothing but the corners: see its six samples |
+//! | `area`, `cone` | pixels with more than 48 borders or 96 places to cut at are sampled in 64 lines |
 //! | `adaptive` | what all first samples miss stays missed |
 
 mod support;
@@ -650,6 +651,33 @@ fn tiny_skia_refuses_linear_light() {
         Err(Error::Setting(message)) => assert!(message.contains("--linear"), "{message}"),
         other => panic!("{other:?}"),
     }
+}
+
+#[test]
+fn what_is_far_away_is_drawn_or_refused() {
+    let far = "<path d='M-1e38 -1e38L1e38 1e38L1e38 -1e38Z'/><path d='M-1e30 4L1e30 5L1e30 3Z'/>";
+    let scene = scene(&svg(9, 9, far));
+    for method in METHODS {
+        let picture =
+            Renderer::new(by(method)).expect("settings").render(&scene, &Viewport::fit(&scene, 9, 9));
+        match picture {
+            Ok(picture) => assert_drawn(&picture, &method.to_string()),
+            Err(Error::Limit(message)) => {
+                assert!(method == Method::TinySkia && message.contains("1e9"), "{method}: {message}");
+            }
+            Err(error) => panic!("{method}: {error}"),
+        }
+    }
+}
+
+#[test]
+fn beam_does_not_begin_what_crosses_too_often() {
+    let mut rng = Rng::new(3);
+    let star: Vec<Point> = (0..6000).map(|_| rng.point(0.0, 90.0)).collect();
+    let scene = scene(&svg(90, 90, &path(&ring(&star), "#000", "")));
+    let picture =
+        Renderer::new(by(Method::Beam)).expect("settings").render(&scene, &Viewport::fit(&scene, 90, 90));
+    assert!(matches!(picture, Err(Error::Limit(message)) if message.contains("crossings")));
 }
 
 #[test]

@@ -9,9 +9,10 @@
 use super::borders::{BorderRow, Cut, Window};
 use crate::edges::{Edge, FRACTION_BITS, ONE};
 
-/// Pixels with more borders than this are cut at their vertices and in [`FINE_SLABS`], not at crossings.
+/// Pixels with more borders than this, or more places to cut at than that, are cut in [`FINE_SLABS`]
+/// only, and each taken to be like its middle.
 const MOST_BORDERS: usize = 48;
-/// Where crossings are not looked for, at most a slab of this share of a pixel is wrong about them.
+const MOST_CUTS: usize = 96;
 const FINE_SLABS: usize = 64;
 
 /// The figure over which a pixel's light is gathered; lengths in pixels from the pixel's centre.
@@ -105,9 +106,16 @@ impl Ruler {
         self.cuts.clear();
         self.cuts.extend([top, bottom]);
         self.cuts.extend(steps.iter().map(|step| height(step.y)));
-        self.cuts.extend(self.lines.iter().flat_map(|line| [line.top, line.bottom]));
-        self.cut_at_crossings(top, bottom);
+        if self.lines.len() <= MOST_BORDERS {
+            self.cuts.extend(self.lines.iter().flat_map(|line| [line.top, line.bottom]));
+            self.cut_at_crossings();
+        }
         self.cuts.retain(|&y| y >= top && y <= bottom);
+        if self.lines.len() > MOST_BORDERS || self.cuts.len() > MOST_CUTS {
+            let step = (bottom - top) / FINE_SLABS as f64;
+            self.cuts.clear();
+            self.cuts.extend((0..=FINE_SLABS).map(|i| top + step * i as f64));
+        }
         self.cuts.sort_unstable_by(f64::total_cmp);
         self.cuts.dedup();
         let mut area = 0.0;
@@ -121,12 +129,7 @@ impl Ruler {
         (area / whole).clamp(0.0, 1.0)
     }
 
-    fn cut_at_crossings(&mut self, top: f64, bottom: f64) {
-        if self.lines.len() > MOST_BORDERS {
-            let step = (bottom - top) / FINE_SLABS as f64;
-            self.cuts.extend((1..FINE_SLABS).map(|i| top + step * i as f64));
-            return;
-        }
+    fn cut_at_crossings(&mut self) {
         for (i, a) in self.lines.iter().enumerate() {
             for b in &self.lines[..i] {
                 let y = (b.x - a.x) / (a.slope - b.slope);

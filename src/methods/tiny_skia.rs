@@ -18,6 +18,9 @@ use tiny_skia::{BlendMode, Color, GradientStop, IntRect, Mask, MaskType, Pixmap,
 /// Layers reach this far beyond what is known to be in them, in pixels, as resvg's do.
 const ROOM: i32 = 2;
 
+/// Coordinates beyond this, in pixels, are refused: tiny-skia panics at larger ones.
+const FARTHEST: f64 = 1e9;
+
 /// Paints a scene.
 pub(super) fn paint(
     scene: &Scene,
@@ -31,6 +34,11 @@ pub(super) fn paint(
             "the method tiny-skia cannot mix in linear light: leave out --linear or choose another method"
                 .into(),
         ));
+    }
+    if geometries(scene).any(|geometry| reaches_too_far(geometry, viewport)) {
+        return Err(Error::Limit(format!(
+            "tiny-skia cannot draw what lies more than {FARTHEST:e} pixels away: use another method"
+        )));
     }
     let (width, height) = (viewport.width, viewport.height);
     let too_large = || Error::Limit(format!("tiny-skia makes no picture of {width} x {height} pixels"));
@@ -47,6 +55,19 @@ pub(super) fn paint(
         }
     }
     Ok(())
+}
+
+fn geometries(scene: &Scene) -> impl Iterator<Item = &Geometry> {
+    let members = scene.clips.iter().flat_map(|clip| &clip.members).map(|member| &member.geometry);
+    scene.shapes.iter().map(|shape| &shape.geometry).chain(members)
+}
+
+fn reaches_too_far(geometry: &Geometry, viewport: &Viewport) -> bool {
+    let b = geometry.path.bounds();
+    let own = kurbo::Rect::new(b.left().into(), b.top().into(), b.right().into(), b.bottom().into());
+    let placed = (viewport.transform * geometry.transform).transform_rect_bbox(own);
+    // What is not a number is too far as well.
+    ![placed.x0, placed.y0, placed.x1, placed.y1].iter().all(|v| v.abs() <= FARTHEST)
 }
 
 /// A part of the picture that is drawn by itself.

@@ -11,10 +11,11 @@
 //! flattening, strips, nor integrator. Opacity, groups, clips and shapes that are not smoothed are done as
 //! they should be. Gradients are taken at the middle of what is visible in a pixel, of each part once:
 //! where one is steep within a pixel, it and `exact` look at different places and may differ.
-//! What it cannot do: large drawings. The work grows with the beam's edges times the shapes, and what
-//! crosses in one cut is not known beforehand; past a number of edges it says so.
+//! What it cannot do: large drawings. The work grows with the beam's edges times the shapes, and with
+//! how often they cross; past a number of either it says so.
 
 mod contours;
+mod crossings;
 mod region;
 mod sums;
 

@@ -4,6 +4,7 @@
 //! Promises: the parts that a cut makes are what they were cut from, but for crossings, which are
 //! rounded to a grid of 1/16,384 of a pixel; a picture's work is bounded.
 
+use super::crossings;
 use crate::Error;
 use i_overlay::core::fill_rule::FillRule as Rule;
 use i_overlay::core::overlay::Overlay;
@@ -18,6 +19,9 @@ pub(super) type Contour = IntContour<i32>;
 
 /// Polygon edges that one picture may hand over to be cut: five to ten seconds' work for most drawings.
 const MOST_EDGES: usize = 12_000_000;
+
+/// Crossings of edges that one picture may lead to: about as long.
+const MOST_CROSSINGS: usize = 2_000_000;
 
 /// A part of the plane: connected pieces that do not overlap, unless [`Region::united`] is still to be called.
 #[derive(Clone, Debug, Default)]
@@ -61,18 +65,22 @@ impl Bounds {
 }
 
 /// How much may still be cut.
-pub(super) struct Work(usize);
+pub(super) struct Work {
+    edges: usize,
+    crossings: usize,
+}
 
 impl Work {
     pub fn new() -> Work {
-        Work(MOST_EDGES)
+        Work { edges: MOST_EDGES, crossings: MOST_CROSSINGS }
     }
 
-    fn spend(&mut self, edges: usize) -> Result<(), Error> {
-        self.0 = self.0.checked_sub(edges).ok_or_else(|| {
+    fn spend(&mut self, edges: usize, crossings: usize) -> Result<(), Error> {
+        let left = self.edges.checked_sub(edges).zip(self.crossings.checked_sub(crossings));
+        (self.edges, self.crossings) = left.ok_or_else(|| {
             Error::Limit(format!(
-                "the method beam gives up after cutting {MOST_EDGES} polygon edges: \
-                 this drawing is too large for it, use exact"
+                "the method beam gives up after cutting {MOST_EDGES} polygon edges or finding {MOST_CROSSINGS} \
+                 crossings: this drawing is too large for it, use exact"
             ))
         })?;
         Ok(())
@@ -82,7 +90,8 @@ impl Work {
 impl Region {
     /// What polygons fill.
     pub fn new(contours: &[Contour], rule: crate::scene::FillRule, work: &mut Work) -> Result<Region, Error> {
-        work.spend(contours.iter().map(Vec::len).sum())?;
+        let crossings = crossings::estimate(contours.iter(), contours.iter()) / 2;
+        work.spend(contours.iter().map(Vec::len).sum(), crossings)?;
         let rule = match rule {
             crate::scene::FillRule::NonZero => Rule::NonZero,
             crate::scene::FillRule::EvenOdd => Rule::EvenOdd,
@@ -136,7 +145,8 @@ impl Region {
         let by: Vec<IntShape<i32>> =
             by.pieces.iter().filter(|piece| meets(piece, &near)).map(|piece| piece.shape.clone()).collect();
         let mut outside = Region { pieces: far };
-        work.spend(shapes.iter().chain(&by).flatten().map(Vec::len).sum())?;
+        let crossings = crossings::estimate(shapes.iter().flatten(), by.iter().flatten());
+        work.spend(shapes.iter().chain(&by).flatten().map(Vec::len).sum(), crossings)?;
         let mut overlay = Overlay::from_subj_and_clip(&shapes, &by);
         let Some(graph) = overlay.build_graph_view(Rule::NonZero) else {
             return Ok((Region::default(), outside));
