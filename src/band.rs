@@ -9,16 +9,15 @@
 use crate::bitmap::for_runs;
 use crate::cel::{Brush, Cel, Rows};
 use crate::clip::{clipped, ClipBand, Clipped};
+use crate::coverage::{BandPlace, Coverage, PartOf, Style};
 use crate::edges::{Bounds, EdgeList, BAND_ROWS};
 use crate::methods::BandPainter;
 use crate::outlines::{BandLists, Outlines, PlacedOutline};
-use crate::pixel::resolve::{Node, Resolver, Surroundings};
+use crate::pixel::resolve::Surroundings;
 use crate::polygons::Flattener;
 use crate::scene::paint::Paint;
 use crate::scene::{ClipId, GroupId, Scene};
-use crate::strips::{Buckets, Piece};
-use crate::sweep::{Span, Sweep};
-use crate::zlist::{Entry, ZLists};
+use crate::zlist::Entry;
 use kurbo::Affine;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -37,21 +36,17 @@ pub(crate) struct Picture<'a> {
     pub width: u32,
 }
 
-/// Renders bands one after the other; each thread has its own.
-pub(crate) struct BandRenderer {
+/// Renders bands one after the other, keeping fragments as `C` does; each thread has its own.
+pub(crate) struct BandRenderer<C: Coverage> {
     flattener: Flattener,
     edges: EdgeList,
-    buckets: Buckets,
-    pieces: Vec<Piece>,
-    nodes: Vec<Node>,
-    entries: Vec<Entry>,
-    sweep: Sweep,
-    resolver: Resolver,
+    pub coverage: C,
+    entries: Vec<Entry<PartOf<C>>>,
     /// The picture's cel, and one for each open group.
     cels: Vec<Cel>,
     /// The groups that are open, from the picture inwards.
     open: Vec<GroupId>,
-    clips: Vec<(ClipId, Arc<ClipBand>)>,
+    clips: Vec<(ClipId, Arc<ClipBand<PartOf<C>>>)>,
     /// The time of each stage, when it is taken.
     laps: Option<Laps>,
     /// Shapes, counted once for each band they may touch.
@@ -60,17 +55,13 @@ pub(crate) struct BandRenderer {
     hidden: u64,
 }
 
-impl BandRenderer {
-    pub fn new(width: u32, height: u32) -> BandRenderer {
+impl<C: Coverage> BandRenderer<C> {
+    pub fn new(width: u32, height: u32, coverage: C) -> BandRenderer<C> {
         BandRenderer {
             flattener: Flattener::default(),
             edges: EdgeList::new(width, height),
-            buckets: Buckets::new(width),
-            pieces: Vec::new(),
-            nodes: Vec::new(),
+            coverage,
             entries: Vec::new(),
-            sweep: Sweep::default(),
-            resolver: Resolver::default(),
             cels: vec![Cel::new(width)],
             open: Vec::new(),
             clips: Vec::new(),
@@ -114,18 +105,16 @@ impl BandRenderer {
         let depth = self.open.len() - 1;
         let bounds = self.fill_buckets(picture, band, outline, depth, rows);
         self.lap(|laps| Some(&mut laps.strips));
-        let (cel, entries, nodes) = (&mut self.cels[depth], &mut self.entries, &mut self.nodes);
-        let top = rows.top;
-        let style = (outline.rule, outline.crisp);
-        for place in places(bounds, rows) {
-            let row = place.0;
-            self.sweep.row(&mut self.buckets, place, style, &mut self.pieces, |span| {
-                clipped(row, span, clip.as_deref(), nodes, |piece, _| match piece {
+        let (cel, entries) = (&mut self.cels[depth], &mut self.entries);
+        let place = place_of(rows);
+        for (row, columns) in places(bounds, rows) {
+            self.coverage.row(row, columns, place, style_of(outline), |span, parts| {
+                clipped(row, span, clip.as_deref(), parts, |piece, _| match piece {
                     Clipped::Whole(from, to) => {
                         let picture = (depth == 0).then_some(&mut *rows);
-                        cel.solid(row, (from, to), &brush, top, picture, entries);
+                        cel.solid(row, (from, to), &brush, place.top, picture, entries);
                     }
-                    Clipped::Part(x, node) => cel.part(row, x, node, &brush, entries),
+                    Clipped::Part(x, part) => cel.part(row, x, part, &brush, entries),
                 });
             });
         }
@@ -155,7 +144,7 @@ impl BandRenderer {
         self.lap(|laps| Some(&mut laps.flatten));
         let finished = &self.cels[depth].finished;
         for edge in edges.band(band) {
-            self.buckets.add(edge, rows.top, rows.count, finished, &mut self.pieces);
+            self.coverage.add(edge, place_of(rows), style_of(outline), finished);
         }
         edges.bounds()
     }
@@ -194,7 +183,7 @@ impl BandRenderer {
     }
 
     /// The clip in this band, made when first asked for.
-    fn clip(&mut self, picture: &Picture, band: usize, id: ClipId, rows: &Rows) -> Arc<ClipBand> {
+    fn clip(&mut self, picture: &Picture, band: usize, id: ClipId, rows: &Rows) -> Arc<ClipBand<PartOf<C>>> {
         if let Some((_, clip)) = self.clips.iter().find(|(kept, _)| *kept == id) {
             return clip.clone();
         }
@@ -208,17 +197,15 @@ impl BandRenderer {
             let within = member.clip.map(|inner| self.clip(picture, band, inner, rows));
             // What is finished in a group may still want the clip outside it.
             let bounds = self.fill_buckets(picture, band, outline, 0, rows);
-            let style = (outline.rule, outline.crisp);
-            for place in places(bounds, rows) {
-                let row = place.0;
-                self.sweep.row(&mut self.buckets, place, style, &mut self.pieces, |span: Span| {
-                    made.unite(row, span, within.as_deref(), &mut self.nodes);
+            for (row, columns) in places(bounds, rows) {
+                self.coverage.row(row, columns, place_of(rows), style_of(outline), |span, parts| {
+                    made.unite(row, span, within.as_deref(), parts);
                 });
             }
         }
         for &other in &clip.within {
             let other = self.clip(picture, band, other, rows);
-            made.intersect(&other, &mut self.nodes);
+            made.intersect(&other, self.coverage.parts());
         }
         if self.clips.len() == MOST_CLIPS {
             self.clips.remove(0);
@@ -234,7 +221,6 @@ impl BandRenderer {
         let around = picture.around;
         let background = around.background.to_rgba8();
         let cel = &self.cels[0];
-        self.resolver.has_clips = !picture.scene.clips.is_empty();
         for row in 0..rows.count {
             let y = rows.top + row as u32;
             let pixels = rows.row(row, width);
@@ -255,14 +241,8 @@ impl BandRenderer {
                 for_runs(listed, |from, to| {
                     for (i, pixel) in pixels[from..to].iter_mut().enumerate() {
                         let x = word * 64 + from + i;
-                        let lists =
-                            ZLists { entries: &self.entries, nodes: &self.nodes, pieces: &self.pieces };
-                        let mean = lists.resolve_simply(cel.list(row, x), around, &mut self.resolver.counts);
-                        let mean = mean.unwrap_or_else(|| {
-                            lists.read(cel.list(row, x), &mut self.resolver);
-                            self.resolver.resolve(x as u32, y, &self.pieces, around)
-                        });
-                        *pixel = mean.to_rgba8(around.linear);
+                        let at = (x as u32, y);
+                        *pixel = self.coverage.resolve(cel.list(row, x), &self.entries, at, around);
                     }
                 });
             }
@@ -270,10 +250,9 @@ impl BandRenderer {
     }
 }
 
-impl BandPainter for BandRenderer {
+impl<C: Coverage> BandPainter for BandRenderer<C> {
     fn render(&mut self, picture: &Picture, band: usize, mut rows: Rows) {
-        self.pieces.clear();
-        self.nodes.clear();
+        self.coverage.start(picture);
         self.entries.clear();
         self.clips.clear();
         self.open.clear();
@@ -297,21 +276,10 @@ impl BandPainter for BandRenderer {
     }
 
     fn take_counts(&mut self) -> Vec<(&'static str, u64)> {
-        let counts = std::mem::take(&mut self.resolver.counts);
-        let coverer = &mut self.sweep.coverer;
-        vec![
-            ("pixels_one_fragment", counts.one_fragment),
-            ("pixels_tiled", counts.tiled),
-            ("pixels_paired", counts.paired),
-            ("pixels_along_borders", counts.along_borders),
-            ("pixels_split", counts.split),
-            ("pixels_sampled", counts.sampled),
-            ("fragments_cleaned", std::mem::take(&mut coverer.cleaned)),
-            ("fragments_sampled", std::mem::take(&mut coverer.sampled)),
-            ("split_nodes", self.resolver.take_nodes()),
-            ("shapes_in_bands", std::mem::take(&mut self.met)),
-            ("hidden_shapes", std::mem::take(&mut self.hidden)),
-        ]
+        let mut counts = self.coverage.take_counts();
+        counts.push(("shapes_in_bands", std::mem::take(&mut self.met)));
+        counts.push(("hidden_shapes", std::mem::take(&mut self.hidden)));
+        counts
     }
 }
 
@@ -337,6 +305,14 @@ impl Laps {
     pub fn named(&self) -> [(&'static str, Duration); 4] {
         [("flatten", self.flatten), ("strips", self.strips), ("sweep", self.sweep), ("resolve", self.resolve)]
     }
+}
+
+fn style_of(outline: &PlacedOutline) -> Style {
+    Style { rule: outline.rule, crisp: outline.crisp }
+}
+
+fn place_of(rows: &Rows) -> BandPlace {
+    BandPlace { top: rows.top, count: rows.count }
 }
 
 /// The rows of the band that an outline may touch, each with the columns.

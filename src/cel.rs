@@ -13,10 +13,11 @@
 //! Promises: a finished pixel is never visited again, and no entry is kept behind an opaque solid run.
 
 use crate::bitmap::{for_runs, word_masks, Bitmap};
+use crate::coverage::Part;
 use crate::edges::BAND_ROWS;
 use crate::pixel::resolve::NEGLIGIBLE;
 use crate::scene::paint::{Shader, Sheet};
-use crate::zlist::{Entry, Head, Kind, NO_ENTRY, WHOLE};
+use crate::zlist::{Entry, Head, Kind, NO_ENTRY};
 
 /// What a shape is painted with, at the picture's scale.
 #[derive(Clone, Copy)]
@@ -122,14 +123,14 @@ impl Cel {
 
     /// Paints pixels [from, to) of a row, behind all that was painted before. Opaque paint on new
     /// pixels goes to `picture` at once, where there is one.
-    pub fn solid(
+    pub fn solid<P: Part>(
         &mut self,
         row: usize,
         (from, to): (usize, usize),
         brush: &Brush,
         top: u32,
         mut picture: Option<&mut Rows>,
-        entries: &mut Vec<Entry>,
+        entries: &mut Vec<Entry<P>>,
     ) {
         let opaque = brush.is_opaque();
         for (word, mask) in word_masks(from, to) {
@@ -171,31 +172,35 @@ impl Cel {
     }
 
     /// More paint behind what was painted on some pixels of a word; tells which let no light through.
-    fn paint_touched(
+    fn paint_touched<P: Part>(
         &mut self,
         row: usize,
         top: u32,
         (word, touched): (usize, u64),
         brush: &Brush,
-        entries: &mut Vec<Entry>,
+        entries: &mut Vec<Entry<P>>,
     ) -> u64 {
         let (first, start, y) = (word * 64, row * self.width + word * 64, top + row as u32);
         let listed = touched & self.listed.row(row)[word];
         let mut saturated = 0;
         for_runs(touched & !listed, |a, b| {
             let sheets = &mut self.sheets[start + a..start + b];
+            let mut darkest = 1.0;
+            let mut paint = |sheet: &mut Sheet, behind: Sheet| {
+                *sheet = sheet.over(behind);
+                darkest = if sheet.through() < darkest { sheet.through() } else { darkest };
+            };
             match brush {
-                Brush::Flat(behind, _) => sheets.iter_mut().for_each(|sheet| *sheet = sheet.over(*behind)),
+                Brush::Flat(behind, _) => sheets.iter_mut().for_each(|sheet| paint(sheet, *behind)),
                 Brush::Gradient { .. } => {
                     for (i, sheet) in sheets.iter_mut().enumerate() {
-                        *sheet = sheet.over(brush.at(first + a + i, y));
+                        paint(sheet, brush.at(first + a + i, y));
                     }
                 }
             }
-            let darkest = sheets.iter().fold(1.0f32, |least, sheet| least.min(sheet.through));
             if darkest < NEGLIGIBLE {
                 for (i, sheet) in sheets.iter().enumerate() {
-                    saturated |= u64::from(sheet.through < NEGLIGIBLE) << (a + i);
+                    saturated |= u64::from(sheet.through() < NEGLIGIBLE) << (a + i);
                 }
             }
         });
@@ -208,28 +213,37 @@ impl Cel {
     }
 
     /// Paints a part of one pixel, behind all that was painted before.
-    pub fn part(&mut self, row: usize, x: usize, node: u32, brush: &Brush, entries: &mut Vec<Entry>) {
+    pub fn part<P: Part>(
+        &mut self,
+        row: usize,
+        x: usize,
+        part: P,
+        brush: &Brush,
+        entries: &mut Vec<Entry<P>>,
+    ) {
         if self.finished.get(row, x) {
             return;
         }
-        self.start_list(row, x);
-        let entry = Entry { next: NO_ENTRY, node, kind: brush.kind() };
-        self.append(row * self.width + x, entry, entries);
+        let pixel = row * self.width + x;
+        if !self.listed.get(row, x) {
+            self.start_list(row, x);
+        }
+        self.append(pixel, Entry { next: NO_ENTRY, part, kind: brush.kind() }, entries);
     }
 
+    #[inline]
     fn start_list(&mut self, row: usize, x: usize) {
         let pixel = row * self.width + x;
         if !self.touched.get(row, x) {
             self.touched.set(row, x);
             self.sheets[pixel] = Sheet::CLEAR;
         }
-        if !self.listed.get(row, x) {
-            self.listed.set(row, x);
-            self.lists[pixel] = (NO_ENTRY, NO_ENTRY);
-        }
+        self.listed.set(row, x);
+        self.lists[pixel] = (NO_ENTRY, NO_ENTRY);
     }
 
-    fn append(&mut self, pixel: usize, entry: Entry, entries: &mut Vec<Entry>) {
+    #[inline]
+    fn append<P: Part>(&mut self, pixel: usize, entry: Entry<P>, entries: &mut Vec<Entry<P>>) {
         let at = entries.len() as u32;
         entries.push(entry);
         let (first, last) = &mut self.lists[pixel];
@@ -241,20 +255,22 @@ impl Cel {
     }
 
     /// A whole sheet behind another is one sheet.
-    fn append_whole(&mut self, pixel: usize, brush: &Brush, entries: &mut Vec<Entry>) {
+    fn append_whole<P: Part>(&mut self, pixel: usize, brush: &Brush, entries: &mut Vec<Entry<P>>) {
         let kind = brush.kind();
         let last = self.lists[pixel].1;
-        if let (Kind::Sheet(behind), Some(Entry { node: WHOLE, kind: Kind::Sheet(front), .. })) =
+        if let (Kind::Sheet(behind), Some(Entry { part, kind: Kind::Sheet(front), .. })) =
             (kind, entries.get_mut(last as usize))
         {
-            *front = front.over(behind);
-            return;
+            if *part == P::WHOLE {
+                *front = front.over(behind);
+                return;
+            }
         }
-        self.append(pixel, Entry { next: NO_ENTRY, node: WHOLE, kind }, entries);
+        self.append(pixel, Entry { next: NO_ENTRY, part: P::WHOLE, kind }, entries);
     }
 
     /// Puts a finished group behind all that was painted before.
-    pub fn take_group(&mut self, group: &Cel, top: u32, rows: usize, entries: &mut Vec<Entry>) {
+    pub fn take_group<P: Part>(&mut self, group: &Cel, top: u32, rows: usize, entries: &mut Vec<Entry<P>>) {
         for row in 0..rows {
             for word in 0..group.touched.row(row).len() {
                 let touched = group.touched.row(row)[word] & !self.finished.row(row)[word];
@@ -274,10 +290,12 @@ impl Cel {
         }
     }
 
-    fn take_list(&mut self, group: &Cel, row: usize, x: usize, entries: &mut Vec<Entry>) {
+    fn take_list<P: Part>(&mut self, group: &Cel, row: usize, x: usize, entries: &mut Vec<Entry<P>>) {
         let pixel = row * self.width + x;
-        self.start_list(row, x);
-        let mark = |kind| Entry { next: NO_ENTRY, node: WHOLE, kind };
+        if !self.listed.get(row, x) {
+            self.start_list(row, x);
+        }
+        let mark = |kind| Entry { next: NO_ENTRY, part: P::WHOLE, kind };
         self.append(pixel, mark(Kind::GroupStart(group.opacity)), entries);
         if group.sheets[pixel] != Sheet::CLEAR {
             self.append(pixel, mark(Kind::Sheet(group.sheets[pixel])), entries);

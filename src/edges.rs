@@ -58,6 +58,58 @@ pub(crate) struct EdgeList {
     /// Where the polygon began, and where it has got to.
     start: Corner,
     last: Corner,
+    extent: Extent,
+}
+
+/// The rectangle around edges, in fixed point.
+#[derive(Clone, Copy)]
+struct Extent {
+    left: i32,
+    top: i32,
+    right: i32,
+    bottom: i32,
+}
+
+impl Extent {
+    const EMPTY: Extent = Extent { left: i32::MAX, top: i32::MAX, right: i32::MIN, bottom: i32::MIN };
+
+    #[inline]
+    fn add(&mut self, edge: &Edge) {
+        self.left = self.left.min(edge.x0.min(edge.x1));
+        self.top = self.top.min(edge.y0);
+        self.right = self.right.max(edge.x0.max(edge.x1));
+        self.bottom = self.bottom.max(edge.y1);
+    }
+}
+
+/// Takes polygons line by line, in pixels.
+pub(crate) trait Lines {
+    /// As [`EdgeList::sees_no_curve`].
+    fn sees_no_curve(&self, hull: &[Point]) -> bool;
+    /// Begins a polygon; the one before is closed.
+    fn move_to(&mut self, p: Point);
+    fn line_to(&mut self, p: Point);
+    /// Adds the line back to the polygon's beginning.
+    fn close(&mut self);
+}
+
+impl Lines for EdgeList {
+    fn sees_no_curve(&self, hull: &[Point]) -> bool {
+        EdgeList::sees_no_curve(self, hull)
+    }
+
+    fn move_to(&mut self, p: Point) {
+        EdgeList::move_to(self, p);
+    }
+
+    #[inline]
+    fn line_to(&mut self, p: Point) {
+        EdgeList::line_to(self, p);
+    }
+
+    fn close(&mut self) {
+        EdgeList::close(self);
+    }
 }
 
 /// A corner of a polygon: in pixels, and in fixed point if it lies within the guard rectangle.
@@ -86,6 +138,7 @@ impl EdgeList {
             height: height.into(),
             start: origin,
             last: origin,
+            extent: Extent::EMPTY,
         }
     }
 
@@ -162,10 +215,10 @@ impl EdgeList {
             cuts.reverse();
         }
         let mut line = |from, to| {
-            if winding > 0 {
-                self.push(fixed(from), fixed(to))
-            } else {
-                self.push(fixed(to), fixed(from))
+            let (from, to) = (fixed(from), fixed(to));
+            match winding > 0 {
+                true => self.push(from, to),
+                false => self.push(to, from),
             }
         };
         for x in cuts {
@@ -180,32 +233,35 @@ impl EdgeList {
 
     #[inline]
     fn push(&mut self, (ax, ay): (i32, i32), (bx, by): (i32, i32)) {
-        match (ay, ax).cmp(&(by, bx)) {
-            Ordering::Equal => {}
-            Ordering::Less => self.edges.push(Edge { x0: ax, y0: ay, x1: bx, y1: by, winding: 1 }),
-            Ordering::Greater => self.edges.push(Edge { x0: bx, y0: by, x1: ax, y1: ay, winding: -1 }),
-        }
+        let edge = match (ay, ax).cmp(&(by, bx)) {
+            Ordering::Equal => return,
+            Ordering::Less => Edge { x0: ax, y0: ay, x1: bx, y1: by, winding: 1 },
+            Ordering::Greater => Edge { x0: bx, y0: by, x1: ax, y1: ay, winding: -1 },
+        };
+        self.extent.add(&edge);
+        self.edges.push(edge);
     }
 
     /// The pixels that edges lie in.
     fn bounds(&self) -> Bounds {
         let pixel = |v: i32, most: f64| (v >> FRACTION_BITS).clamp(0, most as i32) as usize;
-        let least = |part: fn(&Edge) -> i32| self.edges.iter().map(part).min().unwrap_or(0);
-        let most = |part: fn(&Edge) -> i32| self.edges.iter().map(part).max().unwrap_or(-ONE);
+        let Extent { left, top, right, bottom } = self.extent;
+        if self.edges.is_empty() {
+            return Bounds::default();
+        }
         Bounds {
-            left: pixel(least(|e| e.x0.min(e.x1)), self.width),
-            right: pixel(most(|e| e.x0.max(e.x1)) + ONE, self.width),
-            top: pixel(least(|e| e.y0), self.height),
-            bottom: pixel(most(|e| e.y1) + ONE, self.height),
+            left: pixel(left, self.width),
+            right: pixel(right + ONE, self.width),
+            top: pixel(top, self.height),
+            bottom: pixel(bottom + ONE, self.height),
         }
     }
 
     /// Sorts the edges into bands, and is empty again.
     pub fn take_banded(&mut self) -> BandedEdges {
-        let bands = (self.height as u32).div_ceil(BAND_ROWS) as i32;
-        let mut banded = BandedEdges::sort(&self.edges, bands);
-        banded.bounds = self.bounds();
+        let banded = BandedEdges::sort(&self.edges, self.bounds());
         self.edges.clear();
+        self.extent = Extent::EMPTY;
         let origin = Corner::new(Point::ZERO);
         (self.start, self.last) = (origin, origin);
         banded
@@ -237,44 +293,38 @@ impl BandedEdges {
         }
     }
 
-    /// Counting sort; `bands` are numbered from the top of the picture.
-    fn sort(edges: &[Edge], bands: i32) -> BandedEdges {
-        let band_of = |y: i32| (y >> FRACTION_BITS).div_euclid(BAND_ROWS as i32);
-        // [y0, y1) and, for the horizontal ones, the row that y0 lies in.
-        let range = |e: &Edge| (band_of(e.y0).max(0), band_of((e.y1 - 1).max(e.y0)).min(bands - 1));
-        let first = edges.iter().map(|e| range(e).0).min().unwrap_or(0);
-        let last = edges.iter().map(|e| range(e).1).max().unwrap_or(-1);
-        if last < first {
+    /// Counting sort.
+    fn sort(edges: &[Edge], bounds: Bounds) -> BandedEdges {
+        if bounds.top >= bounds.bottom {
             return BandedEdges::default();
         }
-        if first == last {
-            let inside = |e: &&Edge| range(e).0 == first && range(e).1 == first;
-            let edges: Vec<Edge> = edges.iter().filter(inside).copied().collect();
-            let starts = vec![0, edges.len() as u32];
-            return BandedEdges { first_band: first as usize, starts, edges, bounds: Bounds::default() };
-        }
+        const BAND_BITS: u32 = FRACTION_BITS + BAND_ROWS.trailing_zeros();
+        let first = (bounds.top as u32 / BAND_ROWS) as i32;
+        let last = ((bounds.bottom as u32 - 1) / BAND_ROWS) as i32;
+        // The bands of [y0, y1) and, of a horizontal edge, that of the row it lies in.
+        let range = |e: &Edge| {
+            let (from, to) = (e.y0 >> BAND_BITS, (e.y1 - 1).max(e.y0) >> BAND_BITS);
+            (from.max(first) - first) as usize..(to.min(last) - first + 1).max(0) as usize
+        };
         let mut starts = vec![0u32; (last - first + 2) as usize];
         for edge in edges {
-            let (from, to) = range(edge);
-            for band in from..=to {
-                starts[(band - first + 1) as usize] += 1;
-            }
+            range(edge).for_each(|band| starts[band + 1] += 1);
         }
         let mut total = 0;
         for start in &mut starts {
             total += *start;
             *start = total;
         }
-        let mut next = starts.clone();
         let mut sorted = vec![Edge { x0: 0, y0: 0, x1: 0, y1: 0, winding: 0 }; total as usize];
+        // Each start moves on to the next one's place, and is put back at the end.
         for edge in edges {
-            let (from, to) = range(edge);
-            for band in from..=to {
-                let at = &mut next[(band - first) as usize];
-                sorted[*at as usize] = *edge;
-                *at += 1;
+            for band in range(edge) {
+                sorted[starts[band] as usize] = *edge;
+                starts[band] += 1;
             }
         }
-        BandedEdges { first_band: first as usize, starts, edges: sorted, bounds: Bounds::default() }
+        starts.rotate_right(1);
+        starts[0] = 0;
+        BandedEdges { first_band: first as usize, starts, edges: sorted, bounds }
     }
 }

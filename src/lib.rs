@@ -11,6 +11,7 @@
 //! | `pen`, `polygons` | strokes → outlines; curves → chords |
 //! | `edges` | polygons → edges in fixed point, sorted in y |
 //! | `band` | the shapes that meet one band, front to back → its pixels, by the stages below |
+//! | `coverage` | how fragments are kept: what the stages from `strips` to `pixel` are to a method |
 //! | `strips` | edges → irregular pieces, clipped to scanline strips and filed in x-buckets |
 //! | `sweep` | x-buckets → solid runs and fragments |
 //! | `clip` | a clip's members → which pixels lie inside, outside or partly |
@@ -20,6 +21,7 @@
 //! | [`pixmap`] | rows of pixels → [`Pixmap`] |
 //! | [`encode`] | rows of pixels → PNG |
 //! | [`mod@reference`] | the same drawing computed another way, slowly: the truth the tests compare with |
+//! | [`mod@compare`] | a drawing → what each method gets wrong on it, and what it costs; a page to look at |
 //!
 //! # Example
 //!
@@ -62,6 +64,8 @@ mod edges;
 
 mod band;
 
+mod coverage;
+
 mod strips;
 
 mod sweep;
@@ -79,7 +83,10 @@ pub mod pixmap;
 pub mod encode;
 
 pub mod error;
+
 pub mod reference;
+
+pub mod compare;
 
 mod bitmap;
 

@@ -6,7 +6,7 @@
 //! is therefore moved outwards by `-p'' h^2 / 12`, which gives back the two half slivers beside it.
 
 use crate::edges::EdgeList;
-use crate::pen;
+use crate::pen::Pen;
 use crate::scene::{Geometry, Outline};
 use kurbo::{Affine, PathEl, Point, Vec2};
 use usvg::tiny_skia_path::PathSegment;
@@ -15,16 +15,12 @@ use usvg::tiny_skia_path::PathSegment;
 const MOST_CHORDS: f64 = 16384.0;
 
 /// The area that a pixel may be off by, as a share of the tolerance times a pixel's side.
-const AREA_SHARE: f64 = 0.05;
-
-/// How far a stroke's outline may be off before it is flattened, as a share of the tolerance. It errs
-/// to one side all along, and where a stroke is thin on both sides of one pixel.
-const PEN_SHARE: f64 = 0.05;
+const AREA_SHARE: f64 = 0.075;
 
 /// Flattens shapes; keeps its buffers from one to the next.
 #[derive(Default)]
 pub(crate) struct Flattener {
-    stroke: kurbo::StrokeCtx,
+    pen: Pen,
 }
 
 impl Flattener {
@@ -40,11 +36,8 @@ impl Flattener {
                 if scale <= 0.0 || !scale.is_finite() {
                     return;
                 }
-                let fine = PEN_SHARE * tolerance / scale;
-                let mut context = std::mem::take(&mut self.stroke);
-                let outline = pen::outline(&mut context, elements(&geometry.path), style, fine);
-                polygons(outline, transform, tolerance, edges);
-                self.stroke = context;
+                let path = elements(&geometry.path);
+                self.pen.stroke(path, style, (transform, scale), tolerance, edges);
             }
         }
     }
@@ -107,8 +100,23 @@ fn chords(curve: Curve, hull: &[Point], tolerance: f64, edges: &mut EdgeList) {
     edges.line_to(last);
 }
 
+/// How many chords keep a border within `tolerance` of a curve, and the area it covers of any pixel
+/// within [`AREA_SHARE`] of that. `length` is no less than the curve's and `sagitta` no less than its
+/// distance from one chord; both grow evenly along it.
+///
+/// With n chords, a vertex is moved by up to d = sagitta / n^2, and a chord is up to L = length / n
+/// long. On the moved polygon's outer side lies .19 L d beside each vertex, and as much on its inner
+/// side beside each chord; a pixel sees no more of it than 1.4 d.
+pub(crate) fn chord_count(length: f64, sagitta: f64, tolerance: f64) -> f64 {
+    let by_distance = (sagitta / tolerance).sqrt();
+    let area = AREA_SHARE * tolerance;
+    let by_lobe = libm::cbrt(0.192 * length * sagitta / area);
+    let by_pixel = (1.414 * sagitta / area).sqrt();
+    by_distance.max(by_lobe.min(by_pixel)).ceil().clamp(1.0, MOST_CHORDS)
+}
+
 /// A cubic in powers of t: `((a t + b) t + c) t + d`.
-struct Curve {
+pub(crate) struct Curve {
     a: Vec2,
     b: Vec2,
     c: Vec2,
@@ -121,7 +129,7 @@ impl Curve {
         Curve { a: Vec2::ZERO, b: p0 - 2.0 * p1 + p2, c: 2.0 * (p1 - p0), d: p0 }
     }
 
-    fn cubic(p0: Point, p1: Point, p2: Point, p3: Point) -> Curve {
+    pub fn cubic(p0: Point, p1: Point, p2: Point, p3: Point) -> Curve {
         let (p0, p1, p2, p3) = (p0.to_vec2(), p1.to_vec2(), p2.to_vec2(), p3.to_vec2());
         Curve { a: p3 - p0 + 3.0 * (p1 - p2), b: 3.0 * (p0 - 2.0 * p1 + p2), c: 3.0 * (p1 - p0), d: p0 }
     }
@@ -143,19 +151,9 @@ impl Curve {
         at_start.hypot2().max(at_end.hypot2()).sqrt()
     }
 
-    /// How many chords keep the border within `tolerance` of the curve, and the area it covers of any
-    /// pixel within [`AREA_SHARE`] of that.
-    ///
-    /// With steps of h, a vertex is moved by up to d = h^2 |p''| / 8, and a chord is up to L = h |p'|
-    /// long. On the moved polygon's outer side lies 0.19 L d beside each vertex, and as much on its
-    /// inner side beside each chord; a pixel sees no more of it than 1.4 d.
+    /// As [`chord_count`].
     fn chords(&self, tolerance: f64) -> f64 {
-        let (speed, bend) = (self.largest_derivative(), self.largest_second_derivative());
-        let by_distance = (bend / (8.0 * tolerance)).sqrt();
-        let area = AREA_SHARE * tolerance;
-        let by_lobe = libm::cbrt(0.192 * speed * bend / (8.0 * area));
-        let by_pixel = (1.414 * bend / (8.0 * area)).sqrt();
-        by_distance.max(by_lobe.min(by_pixel)).ceil().clamp(1.0, MOST_CHORDS)
+        chord_count(self.largest_derivative(), 0.125 * self.largest_second_derivative(), tolerance)
     }
 
     /// No less than the first derivative anywhere.
@@ -166,11 +164,21 @@ impl Curve {
         first.hypot2().max(middle.hypot2()).max(last.hypot2()).sqrt()
     }
 
+    pub fn point(&self, t: f64) -> Point {
+        (((self.a * t + self.b) * t + self.c) * t + self.d).to_point()
+    }
+
+    pub fn derivative(&self, t: f64) -> Vec2 {
+        (3.0 * t * self.a + 2.0 * self.b) * t + self.c
+    }
+
+    pub fn second_derivative(&self, t: f64) -> Vec2 {
+        6.0 * t * self.a + 2.0 * self.b
+    }
+
     /// The point at `t`, moved against the second derivative by `outwards` times that.
     fn outer_point(&self, t: f64, outwards: f64) -> Point {
-        let on_curve = ((self.a * t + self.b) * t + self.c) * t + self.d;
-        let second = 6.0 * t * self.a + 2.0 * self.b;
-        (on_curve - outwards * second).to_point()
+        self.point(t) - outwards * self.second_derivative(t)
     }
 }
 

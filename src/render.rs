@@ -23,7 +23,8 @@ use std::time::{Duration, Instant};
 pub struct Settings {
     /// The way of anti-aliasing.
     pub method: Method,
-    /// Farthest a flattened curve may lie from the true one, in output pixels; 1e-4 ..= 100.
+    /// Farthest a flattened curve may lie from the true one, in output pixels; 1e-4 ..= 100. What a
+    /// method needs is [`Method::tolerance`].
     pub tolerance: f64,
     /// Areas of different colour in a pixel are mixed in linear light; opacity still composites in
     /// sRGB encoding.
@@ -52,6 +53,11 @@ impl Default for Settings {
 impl Settings {
     /// Keeps every pixel within one 8-bit level of the true curve's area.
     pub const DEFAULT_TOLERANCE: f64 = 0.01;
+
+    /// The defaults of a method: curves are flattened only as finely as it can show.
+    pub fn of(method: Method) -> Settings {
+        Settings { method, tolerance: method.tolerance(), ..Settings::default() }
+    }
 }
 
 /// The part of the plane that the picture shows.
@@ -157,7 +163,7 @@ impl Renderer {
         if stride < row || buffer.len() < needed {
             return Err(Error::Buffer { width, height, needed, given: buffer.len() });
         }
-        if let Some(paint) = self.picture_painter(viewport) {
+        if let Some(paint) = self.picture_painter() {
             return self.whole(paint, scene, viewport, buffer, stride);
         }
         let bands = band_count(height);
@@ -180,7 +186,7 @@ impl Renderer {
     ) -> Result<(), Error> {
         check(viewport)?;
         let Viewport { width, height, .. } = *viewport;
-        if self.picture_painter(viewport).is_some() {
+        if self.picture_painter().is_some() {
             return sink(self.render(scene, viewport)?.data());
         }
         let stride = width as usize * Pixmap::BYTES_PER_PIXEL;
@@ -205,8 +211,9 @@ impl Renderer {
     }
 
     /// Who paints the picture if the method needs it whole.
-    fn picture_painter(&self, viewport: &Viewport) -> Option<PicturePainter> {
-        match painter(self.settings.method, viewport.width, viewport.height) {
+    fn picture_painter(&self) -> Option<PicturePainter> {
+        // They are the same for all sizes, and for the smallest no buffers are made that are not used.
+        match painter(self.settings.method, 1, 1) {
             Ok(Painter::Picture(paint)) => Some(paint),
             _ => None,
         }
@@ -265,7 +272,7 @@ impl Renderer {
                 bands: &bands,
                 around: &around,
                 to_pixels: viewport.transform,
-                tolerance: self.settings.tolerance,
+                tolerance: self.tolerance(),
                 width: viewport.width,
             };
             part(self, &picture, &mut more)?;
@@ -281,6 +288,12 @@ impl Renderer {
         }
         self.stages.counts = self.take_counts();
         Ok(())
+    }
+
+    /// The flattening tolerance: a dark mean of linear light errs more once it is encoded.
+    fn tolerance(&self) -> f64 {
+        const LINEAR_SHARE: f64 = 0.5;
+        self.settings.tolerance * if self.settings.linear { LINEAR_SHARE } else { 1.0 }
     }
 
     /// Drops buffers that do not fit the picture.

@@ -6,6 +6,7 @@
 //! between two pixels belongs to the right or lower one, everywhere.
 
 use crate::bitmap::Bitmap;
+use crate::coverage::BandPlace;
 use crate::edges::{round, Edge, BAND_ROWS, FRACTION_BITS, ONE};
 
 /// No piece.
@@ -46,25 +47,29 @@ pub(crate) struct Cell {
     pub area: i64,
 }
 
-impl Cell {
-    const EMPTY: Cell = Cell { cover: 0, pieces: NO_PIECE, area: 0 };
+impl Default for Cell {
+    #[inline]
+    fn default() -> Cell {
+        Cell { cover: 0, pieces: NO_PIECE, area: 0 }
+    }
 }
 
-/// One shape's x-buckets in one band: a cell for each pixel, and which cells are in use.
-pub(crate) struct Buckets {
+/// One shape's x-buckets in one band: a cell for each pixel, which cells are in use, and for each row
+/// what lies left of the picture. Here a cell is a [`Cell`], and its [`Cell::cover`] all that is known
+/// of what lies left.
+pub(crate) struct Buckets<C = Cell, L = i32> {
     width: usize,
-    cells: Vec<Cell>,
+    cells: Vec<C>,
     touched: Bitmap,
-    /// [`Cell::cover`] of all that lies left of the picture, row by row.
-    left: [i32; BAND_ROWS as usize],
+    left: [L; BAND_ROWS as usize],
 }
 
-impl Buckets {
+impl<C: Clone + Default, L: Default> Buckets<C, L> {
     /// For a picture of this many pixels in a row.
-    pub fn new(width: u32) -> Buckets {
+    pub fn new(width: u32) -> Self {
         let (width, rows) = (width as usize, BAND_ROWS as usize);
-        let (cells, touched) = (vec![Cell::EMPTY; width * rows], Bitmap::new(width, rows));
-        Buckets { width, cells, touched, left: [0; BAND_ROWS as usize] }
+        let (cells, touched) = (vec![C::default(); width * rows], Bitmap::new(width, rows));
+        Buckets { width, cells, touched, left: Default::default() }
     }
 
     /// Pixels in a row.
@@ -72,15 +77,29 @@ impl Buckets {
         self.width
     }
 
-    /// The cover of all that lies left of the picture, which is emptied.
-    pub fn take_left(&mut self, row: usize) -> i32 {
+    /// All that lies left of the picture, which is emptied.
+    pub fn take_left(&mut self, row: usize) -> L {
         std::mem::take(&mut self.left[row])
+    }
+
+    /// What lies left of the picture.
+    #[inline]
+    pub fn left_mut(&mut self, row: usize) -> &mut L {
+        &mut self.left[row]
+    }
+
+    /// The cell of a pixel, in use from now on, and whether the pixel is `finished`.
+    #[inline(always)]
+    pub fn touch(&mut self, row: usize, pixel: usize, finished: &Bitmap) -> (&mut C, bool) {
+        let (word, bit) = (row * finished.words() + pixel / 64, 1 << (pixel % 64));
+        self.touched.bits_mut()[word] |= bit;
+        (&mut self.cells[row * self.width + pixel], finished.bits()[word] & bit != 0)
     }
 
     /// The pixels in use in `row` within columns [from, to), from the left, with their cells, which
     /// are emptied.
     #[inline]
-    pub fn drain_row(&mut self, row: usize, (from, to): (usize, usize), mut take: impl FnMut(usize, Cell)) {
+    pub fn drain_row(&mut self, row: usize, (from, to): (usize, usize), mut take: impl FnMut(usize, C)) {
         let cells = &mut self.cells[row * self.width..][..self.width];
         let words = &mut self.touched.row_mut(row)[from / 64..to.div_ceil(64)];
         for (index, word) in words.iter_mut().enumerate() {
@@ -88,40 +107,74 @@ impl Buckets {
             while bits != 0 {
                 let x = (from / 64 + index) * 64 + bits.trailing_zeros() as usize;
                 bits &= bits - 1;
-                take(x, std::mem::replace(&mut cells[x], Cell::EMPTY));
+                take(x, std::mem::take(&mut cells[x]));
             }
         }
     }
+}
 
-    /// Clips `edge` to the strips of the band whose first row is `top`, and files its pieces. Pixels
-    /// that are `finished` get no pieces, and rows below the picture's end nothing at all.
-    pub fn add(&mut self, edge: &Edge, top: u32, rows: usize, finished: &Bitmap, pieces: &mut Vec<Piece>) {
-        let top = (top as i32) << FRACTION_BITS;
-        let end = edge.y1.min(top + rows as i32 * ONE);
-        let mut filer = Filer { buckets: self, finished, pieces, winding: edge.winding, row: 0 };
-        let first_row = (edge.y0 - top) >> FRACTION_BITS;
-        if first_row >= 0 && edge.y1 - top <= (first_row + 1) << FRACTION_BITS {
-            // It lies in one strip. On the strip's upper border it would bound nothing inside.
-            let row_top = top + (first_row << FRACTION_BITS);
-            let (y0, y1) = (edge.y0 - row_top, edge.y1 - row_top);
-            if y1 != 0 {
-                filer.row = first_row as usize;
-                filer.strip(Strip { x0: edge.x0, y0, x1: edge.x1, y1 });
-            }
-            return;
-        }
-        let slope = SlopeX::of(edge);
-        let mut y = edge.y0.max(top);
-        let mut x = slope.x_at(edge, y);
-        while y < end {
-            let row = (y - top) >> FRACTION_BITS;
-            let row_top = top + (row << FRACTION_BITS);
-            let next_y = (row_top + ONE).min(end);
-            let next_x = slope.x_at(edge, next_y);
-            filer.row = row as usize;
-            filer.strip(Strip { x0: x, y0: y - row_top, x1: next_x, y1: next_y - row_top });
-            (x, y) = (next_x, next_y);
-        }
+impl Buckets {
+    /// Files the pieces of `edge`. Pixels that are `finished` get none.
+    #[inline]
+    pub fn add(&mut self, edge: &Edge, place: BandPlace, finished: &Bitmap, pieces: &mut Vec<Piece>) {
+        let width = self.width;
+        clip_edge(edge, place, width, &mut Filer { buckets: self, finished, pieces });
+    }
+}
+
+/// Takes the parts of an edge, pixel by pixel.
+pub(crate) trait Bins {
+    /// A part that lies left of the picture, at heights [y0, y1) of a row.
+    fn left_of_picture(&mut self, row: usize, heights: (i32, i32), winding: i32);
+
+    /// A part in one pixel: its ends from the pixel's top left corner in fixed point, 0 ..= ONE, and where
+    /// it crosses the left border. It runs from the upper end to the lower.
+    fn put(&mut self, row: usize, pixel: usize, ends: [i32; 4], winding: i32, crosses_left: CrossesLeft);
+}
+
+/// Clips `edge` to the strips of a band, and there to the pixels of a picture that is `width` wide. Rows
+/// below the picture's end get nothing.
+#[inline]
+pub(crate) fn clip_edge<B: Bins>(edge: &Edge, place: BandPlace, width: usize, bins: &mut B) {
+    let top = (place.top as i32) << FRACTION_BITS;
+    let row = (edge.y0 - top) >> FRACTION_BITS;
+    if row < 0 || edge.y1 > top + ((row + 1) << FRACTION_BITS) {
+        return clip_to_strips(edge, place, width, bins);
+    }
+    let row_top = top + (row << FRACTION_BITS);
+    let (y0, y1) = (edge.y0 - row_top, edge.y1 - row_top);
+    // It lies in one strip. On the strip's upper border it would bound nothing inside.
+    if y1 == 0 {
+        return;
+    }
+    let row = row as usize;
+    let pixel = edge.x0 >> FRACTION_BITS;
+    if pixel == edge.x1 >> FRACTION_BITS && (0..width as i32).contains(&pixel) {
+        // And in one pixel, as most chords of curves do.
+        let left = pixel << FRACTION_BITS;
+        let ends = [edge.x0 - left, y0, edge.x1 - left, y1];
+        return bins.put(row, pixel as usize, ends, edge.winding, CrossesLeft::No);
+    }
+    let mut clipper = Clipper { bins, width: width as i32, winding: edge.winding, row };
+    clipper.strip(Strip { x0: edge.x0, y0, x1: edge.x1, y1 });
+}
+
+/// As [`clip_edge`], for an edge that may meet several strips.
+fn clip_to_strips<B: Bins>(edge: &Edge, place: BandPlace, width: usize, bins: &mut B) {
+    let top = (place.top as i32) << FRACTION_BITS;
+    let end = edge.y1.min(top + place.count as i32 * ONE);
+    let mut clipper = Clipper { bins, width: width as i32, winding: edge.winding, row: 0 };
+    let slope = SlopeX::of(edge);
+    let mut y = edge.y0.max(top);
+    let mut x = slope.x_at(edge, y);
+    while y < end {
+        let row = (y - top) >> FRACTION_BITS;
+        let row_top = top + (row << FRACTION_BITS);
+        let next_y = (row_top + ONE).min(end);
+        let next_x = slope.x_at(edge, next_y);
+        clipper.row = row as usize;
+        clipper.strip(Strip { x0: x, y0: y - row_top, x1: next_x, y1: next_y - row_top });
+        (x, y) = (next_x, next_y);
     }
 }
 
@@ -172,16 +225,15 @@ impl SlopeX {
     }
 }
 
-/// Files the pieces of one edge, strip by strip.
-struct Filer<'a> {
-    buckets: &'a mut Buckets,
-    finished: &'a Bitmap,
-    pieces: &'a mut Vec<Piece>,
+/// Clips one edge, strip by strip.
+struct Clipper<'a, B> {
+    bins: &'a mut B,
+    width: i32,
     winding: i32,
     row: usize,
 }
 
-impl Filer<'_> {
+impl<B: Bins> Clipper<'_, B> {
     /// Clips one strip's part of the edge to pixels.
     #[inline]
     fn strip(&mut self, strip: Strip) {
@@ -202,7 +254,7 @@ impl Filer<'_> {
 
     /// From pixel `first` to pixel `last`, which lies right of it.
     fn rightwards(&mut self, strip: Strip, first: i32, last: i32) {
-        let width = self.buckets.width as i32;
+        let width = self.width;
         let slope = strip.slope();
         let mut y = strip.y0;
         let mut x = strip.x0 - (first << FRACTION_BITS);
@@ -231,7 +283,7 @@ impl Filer<'_> {
 
     /// From pixel `first` to pixel `last`, which lies left of it.
     fn leftwards(&mut self, strip: Strip, first: i32, last: i32) {
-        let width = self.buckets.width as i32;
+        let width = self.width;
         let slope = strip.slope();
         let mut y = strip.y0;
         let mut x = strip.x0 - (first << FRACTION_BITS);
@@ -261,7 +313,7 @@ impl Filer<'_> {
         self.put_leftwards(last, [x, y, strip.x1 - (last << FRACTION_BITS), strip.y1], CrossesLeft::No);
     }
 
-    /// As [`Filer::put`], for a piece that runs to the left: where rounding has made it horizontal it is
+    /// As [`Clipper::put`], for a piece that runs to the left: where rounding has made it horizontal it is
     /// turned round.
     #[inline]
     fn put_leftwards(&mut self, pixel: i32, [x0, y0, x1, y1]: [i32; 4], crosses_left: CrossesLeft) {
@@ -277,29 +329,48 @@ impl Filer<'_> {
         self.winding = -self.winding;
     }
 
-    /// Files a piece: its ends from the pixel's top left corner, and where it crosses the left border.
+    /// Hands on a piece: its ends from the pixel's top left corner, and where it crosses the left border.
     #[inline(always)]
-    fn put(&mut self, pixel: i32, [x0, y0, x1, y1]: [i32; 4], crosses_left: CrossesLeft) {
-        let cover = (y1 - y0) * self.winding;
-        let buckets = &mut *self.buckets;
+    fn put(&mut self, pixel: i32, ends: [i32; 4], crosses_left: CrossesLeft) {
         if pixel < 0 {
-            buckets.left[self.row] += cover;
-            return;
+            self.bins.left_of_picture(self.row, (ends[1], ends[3]), self.winding);
+        } else if pixel < self.width {
+            self.bins.put(self.row, pixel as usize, ends, self.winding, crosses_left);
         }
-        let pixel = pixel as usize;
-        if pixel >= buckets.width {
-            return;
-        }
-        let (word, bit) = (self.row * self.finished.words() + pixel / 64, 1 << (pixel % 64));
-        buckets.touched.bits_mut()[word] |= bit;
-        let cell = &mut buckets.cells[self.row * buckets.width + pixel];
+    }
+}
+
+/// Files pieces in buckets.
+struct Filer<'a> {
+    buckets: &'a mut Buckets,
+    finished: &'a Bitmap,
+    pieces: &'a mut Vec<Piece>,
+}
+
+impl Bins for Filer<'_> {
+    #[inline(always)]
+    fn left_of_picture(&mut self, row: usize, (y0, y1): (i32, i32), winding: i32) {
+        *self.buckets.left_mut(row) += (y1 - y0) * winding;
+    }
+
+    #[inline(always)]
+    fn put(
+        &mut self,
+        row: usize,
+        pixel: usize,
+        [x0, y0, x1, y1]: [i32; 4],
+        winding: i32,
+        crosses_left: CrossesLeft,
+    ) {
+        let cover = (y1 - y0) * winding;
+        let (cell, is_finished) = self.buckets.touch(row, pixel, self.finished);
         cell.cover += cover;
-        if self.finished.bits()[word] & bit != 0 {
+        if is_finished {
             return;
         }
         cell.area += i64::from(cover) * i64::from(2 * ONE - x0 - x1);
         let next = std::mem::replace(&mut cell.pieces, self.pieces.len() as u32);
         let (x0, y0, x1, y1) = (x0 as u16, y0 as u16, x1 as u16, y1 as u16);
-        self.pieces.push(Piece { x0, y0, x1, y1, next, winding: self.winding as i8, crosses_left });
+        self.pieces.push(Piece { x0, y0, x1, y1, next, winding: winding as i8, crosses_left });
     }
 }

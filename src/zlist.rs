@@ -3,25 +3,26 @@
 //! Takes entries as [`crate::cel`] keeps them; gives the colour at once where that is easy, or else the
 //! items that [`crate::pixel::resolve`] works on.
 
+use crate::coverage::Part;
 use crate::pixel::fragment::{Fragment, PIXEL_AREA};
 use crate::pixel::pair;
 use crate::pixel::resolve::{Counts, Mean, Node, Resolver, Surroundings};
 use crate::scene::paint::Sheet;
 use crate::strips::{Piece, NO_PIECE};
 
+/// The node that is the whole pixel.
+const WHOLE: u32 = u32::WHOLE;
+
 /// No entry, or the end of a list.
 pub(crate) const NO_ENTRY: u32 = u32::MAX;
 
-/// The node of an entry that covers the whole pixel.
-pub(crate) const WHOLE: u32 = u32::MAX;
-
 /// One element of a z-list.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Entry {
+pub(crate) struct Entry<P> {
     /// The one behind, or [`NO_ENTRY`].
     pub next: u32,
-    /// Where in the pixel it is, or [`WHOLE`].
-    pub node: u32,
+    /// Where in the pixel it is.
+    pub part: P,
     pub kind: Kind,
 }
 
@@ -43,9 +44,9 @@ pub(crate) struct Head {
     pub first: u32,
 }
 
-/// The z-lists of one band.
+/// The z-lists of one band, with fragments kept as geometry: a part is the number of a node.
 pub(crate) struct ZLists<'a> {
-    pub entries: &'a [Entry],
+    pub entries: &'a [Entry<u32>],
     pub nodes: &'a [Node],
     pub pieces: &'a [Piece],
 }
@@ -57,7 +58,7 @@ impl ZLists<'_> {
         let entry = self.entries.get(head.first as usize)?;
         let (first, sheet) = self.leaf(entry)?;
         match self.entries.get(entry.next as usize) {
-            Some(second) if second.node != WHOLE => self
+            Some(second) if second.part != WHOLE => self
                 .tiled(entry, head.front, around, counts)
                 .or_else(|| self.pair((first, sheet), second, head.front, around, counts)),
             _ => {
@@ -72,8 +73,8 @@ impl ZLists<'_> {
     }
 
     /// An entry of one fragment and one colour.
-    fn leaf(&self, entry: &Entry) -> Option<(&Fragment, Sheet)> {
-        match (entry.kind, self.nodes.get(entry.node as usize)?) {
+    fn leaf(&self, entry: &Entry<u32>) -> Option<(&Fragment, Sheet)> {
+        match (entry.kind, self.nodes.get(entry.part as usize)?) {
             (Kind::Sheet(sheet), Node::Leaf(fragment)) => Some((fragment, sheet)),
             _ => None,
         }
@@ -85,7 +86,7 @@ impl ZLists<'_> {
         let mut next = first;
         while let Some(entry) = self.entries.get(next as usize) {
             match entry.kind {
-                Kind::Sheet(sheet) if entry.node == WHOLE => front = front.over(sheet),
+                Kind::Sheet(sheet) if entry.part == WHOLE => front = front.over(sheet),
                 _ => return None,
             }
             next = entry.next;
@@ -97,7 +98,7 @@ impl ZLists<'_> {
     fn pair(
         &self,
         (a, front): (&Fragment, Sheet),
-        second: &Entry,
+        second: &Entry<u32>,
         before: Sheet,
         around: &Surroundings,
         counts: &mut Counts,
@@ -121,7 +122,13 @@ impl ZLists<'_> {
     }
 
     /// Opaque fragments that tile the pixel.
-    fn tiled(&self, first: &Entry, front: Sheet, around: &Surroundings, counts: &mut Counts) -> Option<Mean> {
+    fn tiled(
+        &self,
+        first: &Entry<u32>,
+        front: Sheet,
+        around: &Surroundings,
+        counts: &mut Counts,
+    ) -> Option<Mean> {
         let mut mean = Mean::default();
         let mut area = 0;
         let mut borders = Borders::default();
@@ -150,7 +157,7 @@ impl ZLists<'_> {
         }
         let mut next = head.first;
         while let Some(entry) = self.entries.get(next as usize) {
-            let node = (entry.node != WHOLE).then_some(entry.node);
+            let node = (entry.part != WHOLE).then_some(entry.part);
             match entry.kind {
                 Kind::Sheet(sheet) => resolver.push_sheet(sheet, node, self),
                 Kind::Gradient(shape) => resolver.push_gradient(shape, node, self),

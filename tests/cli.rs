@@ -245,7 +245,7 @@ fn wrong_command_lines_end_with_2_and_one_line() {
         (&["--stylesheet", "none.css", "in.svg", "out.png"], "none.css"),
         (&["-", "-", "-o", "made/"], "only once"),
         (&["--query-all", "in.svg", "out.png"], "one input"),
-        (&["compare", "in.svg"], "not available yet"),
+        (&["compare"], "required arguments"),
         (&["explain", "in.svg"], "not available yet"),
     ];
     for (arguments, message) in cases {

@@ -477,7 +477,6 @@ fn distance_to_segment(p: Point, a: Point, b: Point) -> f64 {
 }
 
 #[test]
-#[ignore = "a stroker which offsets both sides leaves a hole where the width exceeds the radius"]
 fn a_stroke_wider_than_its_curl_has_no_hole() {
     // A loop of radius about 2 under a stroke of 12: all within 4 of it is covered.
     let body =

@@ -2,8 +2,9 @@
 //! falls on all of them.
 
 use super::drawings::Prepared;
-use super::renderers::{Exact, Size, TinySkia, VelloCpu};
+use super::renderers::{Size, TinySkia, Toon, VelloCpu};
 use std::time::Duration;
+use toon_raster::Method;
 
 /// Milliseconds of one renderer on one scene.
 #[derive(Clone, Copy)]
@@ -37,6 +38,8 @@ pub struct Row {
     pub tiny_skia: Times,
     pub vello: Times,
     pub exact: Times,
+    pub mask: Times,
+    pub mask64: Times,
     /// Mean milliseconds of each stage of the exact method, summed over its threads.
     pub stages: Vec<(&'static str, f64)>,
     pub counts: Vec<(&'static str, u64)>,
@@ -51,6 +54,22 @@ impl Row {
     pub fn exact_to_vello(&self) -> f64 {
         self.exact.median / self.vello.median
     }
+
+    pub fn mask_to_exact(&self) -> f64 {
+        self.mask.median / self.exact.median
+    }
+
+    pub fn mask_to_vello(&self) -> f64 {
+        self.mask.median / self.vello.median
+    }
+
+    pub fn mask64_to_exact(&self) -> f64 {
+        self.mask64.median / self.exact.median
+    }
+
+    pub fn mask64_to_vello(&self) -> f64 {
+        self.mask64.median / self.vello.median
+    }
 }
 
 /// What to measure with.
@@ -64,17 +83,26 @@ pub struct Plan {
     pub check: bool,
 }
 
-/// Times the three renderers in turns, after one round to warm up.
+/// Times the renderers in turns, after one round to warm up.
 pub fn measure(drawing: &Prepared, plan: Plan) -> Row {
     let size = Size::of(drawing, plan.size);
     let mut tiny_skia = TinySkia::new(drawing, size);
     let mut vello = VelloCpu::new(drawing, size, plan.threads);
-    let mut exact = Exact::new(drawing, size, plan.threads, false);
-    let mut staged = Exact::new(drawing, size, plan.threads, true);
-    let mut times = [Vec::new(), Vec::new(), Vec::new()];
+    let toon = |method, stage_times| Toon::new(drawing, size, plan.threads, method, stage_times);
+    let mut exact = toon(Method::Exact, false);
+    let mut mask = toon(Method::Mask, false);
+    let mut mask64 = toon(Method::Mask64, false);
+    let mut staged = toon(Method::Exact, true);
+    let mut times: [Vec<f64>; 5] = Default::default();
     let mut stages: Vec<(&'static str, f64)> = Vec::new();
     for run in 0..=plan.runs {
-        let round = [tiny_skia.time(drawing), vello.time(drawing), exact.time(drawing)];
+        let round = [
+            tiny_skia.time(drawing),
+            vello.time(drawing),
+            exact.time(drawing),
+            mask.time(drawing),
+            mask64.time(drawing),
+        ];
         staged.time(drawing);
         if run == 0 {
             continue;
@@ -90,7 +118,7 @@ pub fn measure(drawing: &Prepared, plan: Plan) -> Row {
             }
         }
     }
-    let [tiny_skia_times, vello_times, exact_times] = times.map(Times::of);
+    let [tiny_skia_times, vello_times, exact_times, mask_times, mask64_times] = times.map(Times::of);
     let differences = plan.check.then(|| Differences {
         vello: mean_difference(vello.pixels(), tiny_skia.pixels()),
         exact: mean_difference(&exact.pixels(), tiny_skia.pixels()),
@@ -104,6 +132,8 @@ pub fn measure(drawing: &Prepared, plan: Plan) -> Row {
         tiny_skia: tiny_skia_times,
         vello: vello_times,
         exact: exact_times,
+        mask: mask_times,
+        mask64: mask64_times,
         stages,
         counts: staged.stages().counts.clone(),
         differences,

@@ -1,10 +1,10 @@
-//! The three renderers behind one signature: a prepared drawing in, pixels in a reused buffer.
+//! The renderers behind one signature: a prepared drawing in, pixels in a reused buffer.
 
 use super::drawings::Prepared;
 use super::vello::Vello;
 use resvg::tiny_skia;
 use std::time::{Duration, Instant};
-use toon_raster::{kurbo, Pixmap, Renderer, Settings, Stages, Viewport};
+use toon_raster::{kurbo, Method, Pixmap, Renderer, Settings, Stages, Viewport};
 
 /// Columns and rows of a picture.
 #[derive(Clone, Copy)]
@@ -81,21 +81,21 @@ impl VelloCpu {
     }
 }
 
-/// This crate's exact method.
-pub struct Exact {
+/// This crate, by one method.
+pub struct Toon {
     renderer: Renderer,
     viewport: Viewport,
     pixmap: Pixmap,
 }
 
-impl Exact {
+impl Toon {
     /// With `stage_times` it reads the clock between stages, which costs a little.
-    pub fn new(drawing: &Prepared, size: Size, threads: usize, stage_times: bool) -> Exact {
+    pub fn new(drawing: &Prepared, size: Size, threads: usize, method: Method, stage_times: bool) -> Toon {
         let (width, height) = (u32::from(size.width), u32::from(size.height));
-        let settings = Settings { threads, stage_times, ..Settings::default() };
+        let settings = Settings { threads, stage_times, ..Settings::of(method) };
         let renderer = Renderer::new(settings).expect("the defaults are in range");
         let viewport = Viewport::fit(&drawing.scene, width, height);
-        Exact { renderer, viewport, pixmap: Pixmap::new(width, height) }
+        Toon { renderer, viewport, pixmap: Pixmap::new(width, height) }
     }
 
     pub fn time(&mut self, drawing: &Prepared) -> Duration {

@@ -3,11 +3,31 @@
 use super::measure::{Row, Times};
 use std::fmt::Write;
 
+/// Titles and widths of the columns behind scene, size and threads.
+const COLUMNS: [(&str, usize); 16] = [
+    ("tiny-skia", 9),
+    ("vello", 8),
+    ("exact", 8),
+    ("mask", 8),
+    ("mask64", 8),
+    ("E/S", 6),
+    ("E/V", 6),
+    ("M/E", 6),
+    ("M/V", 6),
+    ("M64/E", 6),
+    ("M64/V", 6),
+    ("min S", 8),
+    ("min V", 8),
+    ("min E", 8),
+    ("min M", 8),
+    ("min M64", 8),
+];
+
 pub fn heading(check: bool) -> String {
-    let mut line = format!(
-        "{:<24} {:>9} {:>3} {:>9} {:>9} {:>9} {:>7} {:>7} {:>9} {:>9} {:>9}",
-        "scene", "size", "thr", "tiny-skia", "vello", "exact", "E/S", "E/V", "min S", "min V", "min E"
-    );
+    let mut line = format!("{:<14} {:>9} {:>3}", "scene", "size", "thr");
+    for (title, width) in COLUMNS {
+        write!(line, " {title:>width$}").expect("a string takes all");
+    }
     if check {
         line += "   vello-S  exact-S";
     }
@@ -16,25 +36,29 @@ pub fn heading(check: bool) -> String {
 
 /// Medians in milliseconds, their ratios, and the shortest times.
 pub fn line(row: &Row) -> String {
-    let mut line = format!(
-        "{:<24} {:>9} {:>3} {:>9.2} {:>9.2} {:>9.2} {:>7.2} {:>7.2} {:>9.2} {:>9.2} {:>9.2}",
-        row.scene,
-        format!("{}x{}", row.width, row.height),
-        row.threads,
-        row.tiny_skia.median,
-        row.vello.median,
-        row.exact.median,
-        row.exact_to_tiny_skia(),
-        row.exact_to_vello(),
-        row.tiny_skia.min,
-        row.vello.min,
-        row.exact.min,
-    );
+    let size = format!("{}x{}", row.width, row.height);
+    let mut line = format!("{:<14} {size:>9} {:>3}", row.scene, row.threads);
+    let times = [row.tiny_skia, row.vello, row.exact, row.mask, row.mask64];
+    let ratios = RATIOS.map(|(_, ratio)| ratio(row));
+    let figures = times.iter().map(|t| t.median).chain(ratios).chain(times.iter().map(|t| t.min));
+    for (figure, (_, width)) in figures.zip(COLUMNS) {
+        write!(line, " {figure:>width$.2}").expect("a string takes all");
+    }
     if let Some(d) = row.differences {
         write!(line, "  {:>8.3} {:>8.3}", d.vello, d.exact).expect("a string takes all");
     }
     line
 }
+
+/// The ratios of medians, in the order of their columns.
+const RATIOS: [(&str, fn(&Row) -> f64); 6] = [
+    ("exact/tiny-skia", Row::exact_to_tiny_skia),
+    ("exact/vello", Row::exact_to_vello),
+    ("mask/exact", Row::mask_to_exact),
+    ("mask/vello", Row::mask_to_vello),
+    ("mask64/exact", Row::mask64_to_exact),
+    ("mask64/vello", Row::mask64_to_vello),
+];
 
 /// One line for each size and number of threads: the geometric means of the ratios over its scenes.
 pub fn means(rows: &[Row]) -> String {
@@ -51,23 +75,16 @@ pub fn means(rows: &[Row]) -> String {
         let mean = |ratio: fn(&Row) -> f64| {
             (group.iter().map(|r| ratio(r).ln()).sum::<f64>() / group.len() as f64).exp()
         };
-        writeln!(
-            text,
-            "  {} px, {} thread(s), {} scene(s): exact/tiny-skia {:.3}, exact/vello {:.3}",
-            key.0,
-            key.1,
-            group.len(),
-            mean(Row::exact_to_tiny_skia),
-            mean(Row::exact_to_vello),
-        )
-        .expect("a string takes all");
+        let ratios = RATIOS.map(|(name, ratio)| format!("{name} {:.3}", mean(ratio))).join(", ");
+        writeln!(text, "  {} px, {} thread(s), {} scene(s): {ratios}", key.0, key.1, group.len())
+            .expect("a string takes all");
     }
     text
 }
 
-/// Where toon-raster's time goes, and what it counted.
+/// Where the exact method's time goes, and what it counted.
 pub fn stages(rows: &[Row]) -> String {
-    let mut text = String::from("toon-raster by stage: milliseconds, summed over threads\n");
+    let mut text = String::from("exact by stage: milliseconds, summed over threads\n");
     for row in rows.iter().filter(|r| !r.stages.is_empty() || !r.counts.is_empty()) {
         let total: f64 = row.stages.iter().map(|(_, time)| time).sum();
         write!(text, "  {} {} px, {} thr:", row.scene, row.width.max(row.height), row.threads)
@@ -98,7 +115,7 @@ fn row_json(row: &Row) -> String {
     let counts: Vec<String> = row.counts.iter().map(|(n, count)| format!("{}: {count}", quoted(n))).collect();
     let mut text = format!(
         "  {{\"scene\": {}, \"width\": {}, \"height\": {}, \"threads\": {}, \"runs\": {}, \"tiny_skia_ms\": {}, \
-         \"vello_ms\": {}, \"exact_ms\": {}, \"exact_to_tiny_skia\": {:.4}, \"exact_to_vello\": {:.4}, \
+         \"vello_ms\": {}, \"exact_ms\": {}, \"mask_ms\": {}, \"mask64_ms\": {}, \"exact_to_tiny_skia\": {:.4}, \"exact_to_vello\": {:.4}, \
          \"stages_ms\": {{{}}}, \"counts\": {{{}}}",
         quoted(&row.scene),
         row.width,
@@ -108,6 +125,8 @@ fn row_json(row: &Row) -> String {
         times_json(row.tiny_skia),
         times_json(row.vello),
         times_json(row.exact),
+        times_json(row.mask),
+        times_json(row.mask64),
         row.exact_to_tiny_skia(),
         row.exact_to_vello(),
         stages.join(", "),

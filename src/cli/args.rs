@@ -1,5 +1,6 @@
 //! argv -> [`Job`], or one line on what is wrong with it. Flags mean what they mean to resvg.
 
+use super::compare_args::CompareArguments;
 use super::fonts::FontOptions;
 use super::places::{self, Wanted};
 use super::query::QueryJob;
@@ -29,6 +30,7 @@ const MAX_PIXELS: u64 = 1 << 28;
     args_conflicts_with_subcommands = true,
     override_usage = "toon-raster [OPTIONS] IN.svg OUT.png\n       \
                       toon-raster [OPTIONS] IN... -o FOLDER|shot.####.png\n       \
+                      toon-raster compare [OPTIONS] IN...\n       \
                       toon-raster completions SHELL",
     after_help = "`-` is standard input or output. Exit codes: 0 all done, 1 some input failed, \
                   2 usage, 3 the input can't be rendered."
@@ -72,17 +74,19 @@ enum Command {
         /// bash, elvish, fish, powershell or zsh
         shell: clap_complete::Shell,
     },
+    /// Compare the ways of anti-aliasing on drawings: error against a reference, and time
+    Compare(Box<CompareArguments>),
 }
 
 #[derive(clap::Args, Debug)]
 #[command(next_help_heading = "Size (the aspect is always kept)")]
-struct SizeOptions {
+pub(super) struct SizeOptions {
     /// Width in pixels
     #[arg(short, long, value_name = "N", value_parser = values::length)]
-    width: Option<u32>,
+    pub(super) width: Option<u32>,
     /// Height in pixels
     #[arg(short, long, value_name = "N", value_parser = values::length)]
-    height: Option<u32>,
+    pub(super) height: Option<u32>,
     /// Factor on the drawing's own size
     #[arg(short, long, value_name = "F", value_parser = values::zoom, conflicts_with_all = ["width", "height"])]
     zoom: Option<f32>,
@@ -91,7 +95,7 @@ struct SizeOptions {
     dpi: u32,
     /// Refuse pictures of more pixels than this
     #[arg(long, value_name = "N", default_value_t = MAX_PIXELS)]
-    max_pixels: u64,
+    pub(super) max_pixels: u64,
 }
 
 #[derive(clap::Args, Debug)]
@@ -100,12 +104,15 @@ struct PictureOptions {
     /// CSS colour behind the drawing; without it the picture keeps its alpha
     #[arg(short, long, value_name = "COLOR", value_parser = values::color)]
     background: Option<Color>,
-    /// How edges are smoothed: exact (visible areas, Catmull 1978) or none (jagged)
+    /// How edges are smoothed: exact (visible areas, Catmull 1978), mask (A-buffer, 4x4), mask64 (A-buffer,
+    /// 64 samples), none (jagged), grid:N (N x N samples), random:N, jitter:N, poisson:N or accumulate:N
+    /// (N samples)
     #[arg(long, value_name = "METHOD", default_value = "exact", value_parser = values::method)]
     aa: Method,
-    /// Farthest a flattened curve may lie from the true one, in output pixels
-    #[arg(long, value_name = "F", default_value_t = Settings::DEFAULT_TOLERANCE, value_parser = values::tolerance)]
-    tolerance: f64,
+    /// Farthest a flattened curve may lie from the true one, in output pixels [default: 0.01; mask 0.0625,
+    /// mask64 0.03125]
+    #[arg(long, value_name = "F", value_parser = values::tolerance)]
+    tolerance: Option<f64>,
     /// Mix edges in linear light (opacity still composites as SVG says)
     #[arg(long)]
     linear: bool,
@@ -148,7 +155,7 @@ struct PartOptions {
 
 #[derive(clap::Args, Debug)]
 #[command(next_help_heading = "Reading")]
-struct ReadingOptions {
+pub(super) struct ReadingOptions {
     /// CSS file added before the drawing's own style sheets
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     stylesheet: Option<PathBuf>,
@@ -167,7 +174,7 @@ struct ReadingOptions {
     image_rendering: usvg::ImageRendering,
     /// Folder that relative links start from; by default the drawing's own
     #[arg(long, value_name = "DIR", value_hint = ValueHint::DirPath)]
-    resources_dir: Option<PathBuf>,
+    pub(super) resources_dir: Option<PathBuf>,
 }
 
 #[derive(clap::Args, Debug)]
@@ -194,17 +201,18 @@ struct ReportOptions {
 /// One line about the first thing wrong.
 pub fn job(argv: impl Iterator<Item = OsString>) -> Result<Job, String> {
     let argv: Vec<OsString> = argv.collect();
-    if let Some(command) = argv.get(1).and_then(|a| a.to_str()).filter(|a| ["compare", "explain"].contains(a))
-    {
-        return Err(format!("{command} is not available yet"));
+    if argv.get(1).is_some_and(|command| command == "explain") {
+        return Err("explain is not available yet".to_string());
     }
     let arguments = match Arguments::try_parse_from(argv) {
         Ok(arguments) => arguments,
         Err(e) if !e.use_stderr() => return Ok(Job::Print(e.render().to_string())),
         Err(e) => return Err(first_line(&e)),
     };
-    if let Some(Command::Completions { shell }) = arguments.command {
-        return Ok(Job::Completions(shell));
+    match arguments.command {
+        Some(Command::Completions { shell }) => return Ok(Job::Completions(shell)),
+        Some(Command::Compare(arguments)) => return arguments.job(),
+        None => {}
     }
     if arguments.list_fonts {
         return Ok(Job::ListFonts(arguments.fonts));
@@ -229,7 +237,7 @@ fn first_line(error: &clap::Error) -> String {
     format!("{message} (see --help)")
 }
 
-fn log_if(verbose: bool) {
+pub(super) fn log_if(verbose: bool) {
     if verbose {
         super::report::log_to_stderr();
     }
@@ -241,7 +249,11 @@ fn query_job(arguments: Arguments) -> Result<Job, String> {
         return Err("a query takes one input and no output (see --help)".to_string());
     };
     let input = places::Source::from_argument(input);
-    Ok(Job::Query(QueryJob { input, all, options: options(&arguments)? }))
+    Ok(Job::Query(QueryJob {
+        input,
+        all,
+        options: options(&arguments.reading, &arguments.size, &arguments.fonts)?,
+    }))
 }
 
 fn render_job(mut arguments: Arguments) -> Result<Job, String> {
@@ -266,11 +278,11 @@ fn render_job(mut arguments: Arguments) -> Result<Job, String> {
     }
     let plan =
         places::plan(&arguments.paths, wanted, arguments.picture.format, arguments.picture.start_number)?;
-    let options = options(&arguments)?;
+    let options = options(&arguments.reading, &arguments.size, &arguments.fonts)?;
     let Arguments { size, picture, part, reading, report, .. } = arguments;
     let settings = Settings {
         method: picture.aa,
-        tolerance: picture.tolerance,
+        tolerance: picture.tolerance.unwrap_or(picture.aa.tolerance()),
         linear: picture.linear,
         background: picture.background.map(|color| color.0),
         threads: picture.threads.into(),
@@ -291,14 +303,19 @@ fn render_job(mut arguments: Arguments) -> Result<Job, String> {
         effort: values::effort(picture.fast_png, picture.small_png),
         perf: report.perf,
         voice: Voice { quiet: report.quiet },
-        progress: match report.progress {
-            ProgressStyle::Bar if !std::io::stderr().is_terminal() || report.quiet => ProgressStyle::None,
-            style => style,
-        },
+        progress: told(report.progress, report.quiet),
     }))
 }
 
-fn fit(size: &SizeOptions) -> Fit {
+/// A bar is for people: only on a terminal, and not if they want quiet.
+pub(super) fn told(progress: ProgressStyle, quiet: bool) -> ProgressStyle {
+    match progress {
+        ProgressStyle::Bar if !std::io::stderr().is_terminal() || quiet => ProgressStyle::None,
+        style => style,
+    }
+}
+
+pub(super) fn fit(size: &SizeOptions) -> Fit {
     match (size.width, size.height, size.zoom) {
         (Some(width), Some(height), _) => Fit::Within(width, height),
         (Some(width), None, _) => Fit::Width(width),
@@ -308,8 +325,11 @@ fn fit(size: &SizeOptions) -> Fit {
     }
 }
 
-fn options(arguments: &Arguments) -> Result<Options, String> {
-    let reading = &arguments.reading;
+pub(super) fn options(
+    reading: &ReadingOptions,
+    size: &SizeOptions,
+    fonts: &FontOptions,
+) -> Result<Options, String> {
     let style_sheet = match &reading.stylesheet {
         Some(file) => Some(
             std::fs::read_to_string(file)
@@ -317,12 +337,12 @@ fn options(arguments: &Arguments) -> Result<Options, String> {
         ),
         None => None,
     };
-    let (width, height) = (arguments.size.width.unwrap_or(100), arguments.size.height.unwrap_or(100));
+    let (width, height) = (size.width.unwrap_or(100), size.height.unwrap_or(100));
     let usvg = usvg::Options {
         resources_dir: reading.resources_dir.clone(),
-        dpi: arguments.size.dpi as f32,
-        font_family: arguments.fonts.font_family.clone(),
-        font_size: arguments.fonts.font_size as f32,
+        dpi: size.dpi as f32,
+        font_family: fonts.font_family.clone(),
+        font_size: fonts.font_size as f32,
         languages: reading.languages.clone(),
         shape_rendering: reading.shape_rendering,
         text_rendering: reading.text_rendering,
@@ -331,7 +351,7 @@ fn options(arguments: &Arguments) -> Result<Options, String> {
         style_sheet,
         ..Default::default()
     };
-    Ok(Options { usvg, fonts: arguments.fonts.source(), ..Default::default() })
+    Ok(Options { usvg, fonts: fonts.source(), ..Default::default() })
 }
 
 /// Prints a completion script.

@@ -11,13 +11,17 @@
 //! | [`render`] | the render job: every input to its place |
 //! | [`output`] | encoded bytes → a whole file or none |
 //! | [`query`] | the query job: ids and boxes |
+//! | [`compare_args`] | argv of `compare` → its job |
+//! | [`compare`] | the compare job: every method on every input, to a table, JSON and a page |
 //! | [`report`] | what is said on standard error, and exit codes |
 //! | [`perf`] | times → a table or JSON |
 //!
-//! A new job (comparing methods, explaining a drawing, sampling an animation) is a new arm of
+//! A new job (explaining a drawing, sampling an animation) is a new arm of
 //! [`Job`], a file beside `query.rs` and a line in `main.rs`.
 
 pub mod args;
+pub mod compare;
+pub mod compare_args;
 pub mod fonts;
 pub mod input;
 pub mod output;
@@ -35,6 +39,8 @@ pub enum Job {
     Render(render::RenderJob),
     /// Ids and boxes of one drawing, on standard output.
     Query(query::QueryJob),
+    /// Every method on some drawings: error and time.
+    Compare(Box<compare::CompareJob>),
     /// The font faces that would be used, on standard output.
     ListFonts(fonts::FontOptions),
     /// A completion script, on standard output.

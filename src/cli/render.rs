@@ -148,7 +148,8 @@ fn one(
     Ok(())
 }
 
-fn folder_of(source: &Source) -> Option<PathBuf> {
+/// Where relative links of a drawing start from.
+pub fn folder_of(source: &Source) -> Option<PathBuf> {
     match source {
         Source::Stdin => None,
         Source::File(path) => std::fs::canonicalize(path).ok()?.parent().map(Path::to_path_buf),

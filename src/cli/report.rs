@@ -148,9 +148,18 @@ impl Progress {
     /// Work shorter than this has no bar.
     const PATIENCE: Duration = Duration::from_secs(1);
     const BAR: usize = 30;
+    /// Characters of what is being done, so that the bar stays on one line.
+    const WORDS: usize = 38;
 
     pub fn new(style: ProgressStyle, total: usize) -> Progress {
         Progress { style, total, done: 0, started: Instant::now(), drawn: false }
+    }
+
+    /// Says what begins, where the work on one input is known to be long.
+    pub fn begin(&mut self, what: &str) {
+        if self.style == ProgressStyle::Bar {
+            self.draw(what);
+        }
     }
 
     /// One more input is done.
@@ -165,13 +174,19 @@ impl Progress {
                     writeln!(io::stderr(), r#"{{"done":{done},"total":{total},"input":{name},"ok":{ok}}}"#);
             }
             ProgressStyle::Bar if total > 1 && (self.drawn || self.started.elapsed() > Self::PATIENCE) => {
-                let full = Self::BAR * done / total;
-                let bar: String = (0..Self::BAR).map(|i| if i < full { '#' } else { '.' }).collect();
-                let _ = write!(io::stderr(), "\r[{bar}] {done}/{total}\x1b[K");
-                self.drawn = true;
+                self.draw("");
             }
             ProgressStyle::Bar => {}
         }
+    }
+
+    fn draw(&mut self, what: &str) {
+        let (done, total) = (self.done, self.total);
+        let full = Self::BAR * done / total.max(1);
+        let bar: String = (0..Self::BAR).map(|i| if i < full { '#' } else { '.' }).collect();
+        let what: String = what.chars().filter(|c| !c.is_control()).take(Self::WORDS).collect();
+        let _ = write!(io::stderr(), "\r[{bar}] {done}/{total} {what}\x1b[K");
+        self.drawn = true;
     }
 
     /// Takes the bar away, before a line or at the end.

@@ -2,37 +2,64 @@
 //!
 //! | module | methods |
 //! |---|---|
-//! | [`crate::band`] | `exact`, `none`: the renderer itself |
-//! | `adaptive` | `adaptive:N`: more samples where the first ones differ |
-//! | `corner` | `corner`, `corner:tiny`: borders found between the corners of pixels |
-//! | `area`, `cone` | each shape's share of a square or a disk, painted over what is below |
-//! | `beam` | the visible polygons of the whole picture |
-//! | `tiny_skia` | resvg's renderer |
+//! | [`exact`] | `exact`: fragments as geometry |
+//! | [`mask`] | `mask`, `mask64`, and with a single sample `none`: the A-buffer |
+//! | [`sampled`] | `grid`, `random`, `jitter`, `poisson`: supersampling |
+//! | [`accumulate`] | `accumulate`: the mean of jagged pictures |
+//! | [`adaptive`] | `adaptive:N`: more samples where the first ones differ |
+//! | [`corner`] | `corner`, `corner:tiny`: borders found between the corners of pixels |
+//! | [`area`], [`cone`] | each shape's share of a square or a disk, painted over what is below |
+//! | [`beam`] | the visible polygons of the whole picture |
+//! | [`tiny_skia`] | resvg's renderer |
 //!
-//! What some of them share: `borders` (a row of an outline, and what cuts its pixels), `points` (the
-//! colour at a point), `shares` (areas painted over one another), `footprint` (the area of an outline
-//! within a pixel's square or disk).
+//! They share:
+//!
+//! | module | takes → makes |
+//! |---|---|
+//! | [`lattice`] | an edge's part of a pixel → the samples right of it |
+//! | [`patterns`] | a pixel → points in it |
+//! | [`tally`] | sets of samples, with signs → winding numbers |
+//! | [`sets`] | a z-list of sets → the pixel's colour |
+//! | [`borders`] | an outline → one row of it, and what cuts its pixels |
+//! | [`points`] | a band's shapes → the colour at a point |
+//! | [`footprint`] | a row of an outline → its area within a pixel's square or disk |
+//! | [`shares`] | such areas → pixels, shape painted over shape |
 //!
 //! A method that works band by band is a [`BandPainter`]; one that must see the whole picture at once is
 //! a [`PicturePainter`]. A new method is an arm of [`Method`], a line in [`Method::ALL`], a file here
 //! and an arm of [`painter`].
 
-mod adaptive;
-mod area;
-mod beam;
-mod borders;
-mod cone;
-mod corner;
-mod footprint;
-mod points;
-mod shares;
-mod tiny_skia;
-
+use self::accumulate::Accumulate;
+use self::exact::Exact;
+use self::mask::{Masks, CENTRE};
+use self::patterns::{Pattern, PoissonTile};
+use self::sampled::Sampled;
+use self::sets::Words;
 use crate::band::{BandRenderer, Laps, Picture};
 use crate::cel::Rows;
+use crate::coverage::Coverage;
 use crate::{Error, Scene, Settings, Viewport};
 use std::fmt;
 use std::str::FromStr;
+
+pub(crate) mod accumulate;
+pub(crate) mod adaptive;
+pub(crate) mod area;
+pub(crate) mod beam;
+pub(crate) mod borders;
+pub(crate) mod cone;
+pub(crate) mod corner;
+pub(crate) mod exact;
+pub(crate) mod footprint;
+pub(crate) mod lattice;
+pub(crate) mod mask;
+pub(crate) mod patterns;
+pub(crate) mod points;
+pub(crate) mod sampled;
+pub(crate) mod sets;
+pub(crate) mod shares;
+pub(crate) mod tally;
+pub(crate) mod tiny_skia;
 
 /// A way of anti-aliasing. [`FromStr`] and [`fmt::Display`] give its name, as `--aa` takes it.
 ///
@@ -104,6 +131,18 @@ impl Method {
     /// Names and forms, for messages and help.
     pub const NAMES: &str = "exact, mask, mask64, none, grid:N, random:N, jitter:N, poisson:N, adaptive:N, \
                              accumulate:N, corner, corner:tiny, cone, beam, area or tiny-skia";
+
+    /// The flattening tolerance ([`Settings::tolerance`]) that suits it: the area of a pixel then errs by
+    /// less than a tenth of what the method itself errs by in the mean.
+    pub fn tolerance(self) -> f64 {
+        match self {
+            // A twentieth of the tolerance is what a pixel's area may be off by; these err by 1/32 and
+            // 1/64.
+            Method::Mask => 0.0625,
+            Method::Mask64 => 0.03125,
+            _ => Settings::DEFAULT_TOLERANCE,
+        }
+    }
 
     /// Does it take one sample a pixel, at its centre?
     pub(crate) fn is_jagged(self) -> bool {
@@ -194,8 +233,17 @@ pub(crate) enum Painter {
 /// # Errors
 /// [`Error::Setting`] for a method that cannot be used.
 pub(crate) fn painter(method: Method, width: u32, height: u32) -> Result<Painter, Error> {
+    let size = (width, height);
     match method {
-        Method::Exact | Method::None => Ok(Painter::Bands(Box::new(BandRenderer::new(width, height)))),
+        Method::Exact => bands(size, Exact::new(width)),
+        Method::Mask => bands(size, Masks::<u16>::new(width)),
+        Method::Mask64 => bands(size, Masks::<u64>::new(width)),
+        Method::None => bands(size, Masks::<u16>::at(width, CENTRE)),
+        Method::Grid(side) => sampled(size, Pattern::Grid(side)),
+        Method::Random(count) => sampled(size, Pattern::Random(count)),
+        Method::Jitter(count) => sampled(size, Pattern::Jitter(count)),
+        Method::Poisson(count) => sampled(size, Pattern::Poisson(PoissonTile::new(count))),
+        Method::Accumulate(count) => Ok(Painter::Bands(Box::new(Accumulate::new(width, height, count)))),
         Method::Adaptive(most) => Ok(Painter::Bands(Box::new(adaptive::Adaptive::new(most, width, height)))),
         Method::Corner => Ok(Painter::Bands(Box::new(corner::Corner::new(width, height)))),
         Method::CornerTiny => Ok(Painter::Bands(Box::new(corner::Corner::tiny(width, height)))),
@@ -203,6 +251,18 @@ pub(crate) fn painter(method: Method, width: u32, height: u32) -> Result<Painter
         Method::Area => Ok(Painter::Bands(area::painter(width, height))),
         Method::Beam => Ok(Painter::Picture(beam::paint)),
         Method::TinySkia => Ok(Painter::Picture(tiny_skia::paint)),
-        other => Err(Error::Setting(format!("the method {other} comes in a later version"))),
+    }
+}
+
+fn bands<C: Coverage + 'static>((width, height): (u32, u32), coverage: C) -> Result<Painter, Error> {
+    Ok(Painter::Bands(Box::new(BandRenderer::new(width, height, coverage))))
+}
+
+/// With as many words as the samples need.
+fn sampled((width, height): (u32, u32), pattern: Pattern) -> Result<Painter, Error> {
+    match pattern.count() {
+        ..=64 => bands((width, height), Sampled::<u64>::new(width, pattern)),
+        65..=256 => bands((width, height), Sampled::<Words<4>>::new(width, pattern)),
+        _ => bands((width, height), Sampled::<Words<16>>::new(width, pattern)),
     }
 }

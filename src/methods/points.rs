@@ -319,7 +319,7 @@ impl OpenGroups {
 
     /// Can nothing that comes in this group be seen?
     fn is_hidden(&self) -> bool {
-        let dark = |sheet: &Sheet| sheet.through < NEGLIGIBLE;
+        let dark = |sheet: &Sheet| sheet.through() < NEGLIGIBLE;
         dark(&self.front) || self.groups.iter().any(|(_, before)| dark(before))
     }
 

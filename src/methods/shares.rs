@@ -173,11 +173,8 @@ fn mix(here: Sheet, there: Sheet, share: f32, linear: bool) -> Sheet {
     if linear {
         return mix(here.to_linear(), there.to_linear(), share, false).to_srgb();
     }
-    let between = |a: f32, b: f32| a + (b - a) * share;
-    Sheet {
-        color: std::array::from_fn(|i| between(here.color[i], there.color[i])),
-        through: between(here.through, there.through),
-    }
+    let (here, there) = (here.channels(), there.channels());
+    Sheet::from_channels(std::array::from_fn(|i| here[i] + (there[i] - here[i]) * share))
 }
 
 impl<F: Footprint> BandPainter for SharePainter<F> {

@@ -268,9 +268,10 @@ fn shader(paint: &Paint, geometry: &Geometry) -> Option<Shader<'static>> {
 }
 
 fn color(sheet: &Sheet) -> Color {
-    let alpha = 1.0 - sheet.through;
+    let [r, g, b, through] = sheet.channels();
+    let alpha = 1.0 - through;
     let byte = |v: f32| (v * 255.0 + 0.5) as u8;
-    let [r, g, b] = sheet.color.map(|c| byte(c / alpha));
+    let [r, g, b] = [r, g, b].map(|c| byte(c / alpha));
     Color::from_rgba8(r, g, b, byte(alpha))
 }
 

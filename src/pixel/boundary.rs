@@ -4,9 +4,15 @@
 //! Where no border meets another but in end points, the set of fragments over a point is the same all
 //! along one side of a piece. By Green's theorem a set's area is then a sum over the left border of
 //! the pixel and over the pieces: each adds the area right of it to the set on its right side and
-//! takes it from the set on its left. Pieces that two fragments share are both crossed at once.
-//! Borders that do meet are cut there first; with many cuts Catmull's recursion is cheaper.
+//! takes it from the set on its left.
+//!
+//! Where borders cross one another plainly, each such point takes the other fragment into the set or
+//! out of it, for all that follows along the border ([`crossings`]). Borders that touch, or share
+//! pieces, are cut until nothing meets but in end points, and the sides of each piece looked up anew;
+//! pieces that two fragments share are both crossed at once. With many cuts Catmull's recursion is
+//! cheaper.
 
+use super::crossings::{Crossing, Crossings};
 use super::cuts::{Cuts, MOST_ROUNDS};
 use super::fragment::{Fragment, PieceSteps, PIXEL_AREA};
 use super::split::MOST_LEAVES;
@@ -38,11 +44,12 @@ struct Chord {
 #[derive(Default)]
 pub(crate) struct Boundary {
     chords: Vec<Chord>,
+    crossings: Crossings,
     cuts: Cuts,
-    /// May borders of different fragments meet in end points?
-    touching: bool,
     /// The fragments whose borders are one line, one bit each.
     is_chain: u64,
+    /// Points in which pieces end that do not follow one another along a border.
+    meetings: Vec<(i32, i32)>,
     parts: Vec<Chord>,
     /// (y, step of the winding number, fragment), down the left border.
     steps: Vec<(u16, i32, u32)>,
@@ -88,14 +95,78 @@ impl Boundary {
         if self.corner.len() > MOST_LEAVES || self.chords.len() > MOST_PIECES {
             return None;
         }
-        if !self.part_borders() {
+        let is_plain = self.find_crossings();
+        if !is_plain && !self.part_borders() {
             return None;
         }
         self.regions.clear();
         self.sum_left_border();
-        self.sum_pieces();
+        match is_plain {
+            true => self.sum_across(),
+            false => self.sum_pieces(),
+        }
         self.mend_rounding();
         Some(&self.regions)
+    }
+
+    /// Finds where pieces of different fragments cross; `false` if any meet in another way.
+    fn find_crossings(&mut self) -> bool {
+        self.crossings.clear();
+        for (i, a) in self.chords.iter().enumerate() {
+            for (j, b) in self.chords[..i].iter().enumerate() {
+                if a.is_apart(b) {
+                    continue;
+                }
+                if a.leaf != b.leaf {
+                    if !self.crossings.meet((i, a.ends(), a.leaf), (j, b.ends(), b.leaf)) {
+                        return false;
+                    }
+                } else if self.is_chain >> a.leaf & 1 == 0 && a.touches(b, i - j) {
+                    return false;
+                }
+            }
+        }
+        self.crossings.sort();
+        true
+    }
+
+    /// The sums over pieces where borders cross but do not touch.
+    fn sum_across(&mut self) {
+        let crossings = std::mem::take(&mut self.crossings);
+        let mut rest = crossings.sorted();
+        // What lies left of the piece before, at its upper end and at its lower one.
+        let mut before = (0, 0);
+        for i in 0..self.chords.len() {
+            let chord = self.chords[i];
+            let own = rest.iter().take_while(|crossing| crossing.piece == i as u32).count();
+            let (here, others) = rest.split_at(own);
+            rest = others;
+            let all = here.iter().fold(0, |all, crossing| all ^ 1 << crossing.leaf);
+            let start = match i.checked_sub(1).and_then(|i| chord.joint(&self.chords[i])) {
+                Some(joint) if joint == (chord.x0, chord.y0) => before.1,
+                Some(_) => before.0 ^ all,
+                None => {
+                    let above = here.iter().filter(|crossing| crossing.is_above_middle);
+                    above.fold(self.sides(i).0, |set, crossing| set ^ 1 << crossing.leaf)
+                }
+            };
+            self.sum_parts(&chord, start, here);
+            before = (start, start ^ all);
+        }
+        self.crossings = crossings;
+    }
+
+    /// The sums over the parts of one piece; `left` is the set left of its upper end.
+    fn sum_parts(&mut self, chord: &Chord, mut left: u64, crossings: &[Crossing]) {
+        let (mut x, mut y) = (chord.x0, chord.y0);
+        let ends = crossings.iter().map(|c| (c.x, c.y, 1u64 << c.leaf));
+        for (next_x, next_y, leaf) in ends.chain([(chord.x1, chord.y1, 0)]) {
+            let area = i64::from(next_y - y) * i64::from(2 * ONE - x - next_x);
+            self.add_area(left ^ 1 << chord.leaf, area);
+            self.add_area(left, -area);
+            (x, y) = (next_x, next_y);
+            left ^= leaf;
+        }
     }
 
     /// Cuts pieces until none meets another; `false` when there would be too many cuts.
@@ -114,14 +185,20 @@ impl Boundary {
     /// Where pieces meet. Those of one fragment do not until they are `cut`.
     fn find_cuts(&mut self, cut: bool) {
         self.cuts.clear();
-        self.touching = cut;
+        self.meetings.clear();
         for (i, a) in self.chords.iter().enumerate() {
             for (j, b) in self.chords[..i].iter().enumerate() {
-                if !cut && b.leaf == a.leaf {
+                let own = b.leaf == a.leaf;
+                if own && self.is_chain >> a.leaf & 1 != 0 && !cut {
                     break;
                 }
-                if !a.is_apart(b) {
-                    self.touching |= a.shares_end(b);
+                if a.is_apart(b) {
+                    continue;
+                }
+                if !(own && j + 1 == i) {
+                    self.meetings.extend(a.shared_ends(b));
+                }
+                if !own || cut {
                     self.cuts.meet((i, a.ends()), (j, b.ends()));
                 }
             }
@@ -157,12 +234,9 @@ impl Boundary {
         let mut sides = (0, 0);
         for i in 0..self.chords.len() {
             let chord = self.chords[i];
-            // Along one line of a fragment that touches nothing, the sides stay what they are.
-            let known = !self.touching
-                && i > 0
-                && self.is_chain >> chord.leaf & 1 != 0
-                && chord.continues(&self.chords[i - 1]);
-            if !known {
+            // Along a border the sides stay what they are until it meets another fragment's.
+            let joint = i.checked_sub(1).and_then(|before| chord.joint(&self.chords[before]));
+            if joint.is_none_or(|joint| self.meetings.contains(&joint)) {
                 sides = self.sides(i);
             }
             let (left, right) = sides;
@@ -246,17 +320,30 @@ impl Chord {
         self.right < other.left || other.right < self.left || self.y1 < other.y0 || other.y1 < self.y0
     }
 
-    /// Do they have an end point in common?
-    fn shares_end(&self, other: &Chord) -> bool {
+    /// The end points that they have in common.
+    fn shared_ends(&self, other: &Chord) -> impl Iterator<Item = (i32, i32)> {
         let ends = |c: &Chord| [(c.x0, c.y0), (c.x1, c.y1)];
-        ends(self).into_iter().any(|end| ends(other).contains(&end))
+        let others = ends(other);
+        ends(self).into_iter().filter(move |end| others.contains(end))
     }
 
-    /// Does this one go on where the other ends, upwards or downwards as it does?
+    /// Does it meet a piece of its own fragment, so many places before it, other than by following it?
+    fn touches(&self, other: &Chord, places: usize) -> bool {
+        self.shared_ends(other).count() > usize::from(places == 1)
+    }
+
+    /// Where this one goes on from the other, upwards or downwards as it does.
     #[inline]
-    fn continues(&self, other: &Chord) -> bool {
-        let joined = (self.x0, self.y0) == (other.x1, other.y1) || (self.x1, self.y1) == (other.x0, other.y0);
-        joined && self.leaf == other.leaf && self.winding == other.winding
+    fn joint(&self, other: &Chord) -> Option<(i32, i32)> {
+        if self.leaf != other.leaf || self.winding != other.winding {
+            return None;
+        }
+        let (start, end) = ((self.x0, self.y0), (self.x1, self.y1));
+        match (start == (other.x1, other.y1), end == (other.x0, other.y0)) {
+            (true, _) => Some(start),
+            (_, true) => Some(end),
+            _ => None,
+        }
     }
 
     fn ends(&self) -> [i32; 4] {

@@ -3,22 +3,22 @@
 //!
 //! A cell knows the mean winding number of its pixel. That is the covered share as long as the winding
 //! takes two neighbouring values there, one of them outside: the closed form. One piece always has it,
-//! and so have pieces that do not cross and whose sides show no third value (checked in integers).
+//! and so has a chain of pieces; for others there may be a certificate ([`super::certificate`]).
 //! Anything else is cut at its crossings first ([`super::indicator`]).
 
+use super::certificate::Certifier;
 use super::indicator::Cleaner;
 use super::sample::Sampler;
+use crate::coverage::Style;
 use crate::edges::{FRACTION_BITS, ONE};
 use crate::scene::FillRule;
 use crate::strips::{Cell, CrossesLeft, Piece, NO_PIECE};
+use crate::sweep::FindCover;
 
 /// Bits of [`PIXEL_AREA`].
 const AREA_BITS: u32 = 2 * FRACTION_BITS + 1;
 /// The whole pixel, in halves of a square of fixed point.
 pub(crate) const PIXEL_AREA: i64 = 1 << AREA_BITS;
-
-/// More pieces than this are not searched for crossings pair by pair.
-const MOST_PAIRED: usize = 48;
 
 /// The part of a pixel that a shape covers.
 #[derive(Clone, Copy, Debug)]
@@ -46,21 +46,42 @@ impl Fragment {
 
 /// How much of a pixel a shape covers.
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum Cover {
+pub(crate) enum Cover<F = Fragment> {
     Empty,
     Full,
-    Part(Fragment),
+    Part(F),
 }
 
 /// Finds covers; keeps its buffers from one pixel to the next.
 #[derive(Default)]
 pub(crate) struct Coverer {
     set: PieceSet,
+    certifier: Certifier,
     cleaner: Cleaner,
     sampler: Sampler,
     /// Fragments that crossed themselves, and those of them that had to be sampled.
     pub cleaned: u64,
     pub sampled: u64,
+}
+
+impl FindCover for Coverer {
+    type Fragment = Fragment;
+
+    #[inline]
+    fn find_cover(
+        &mut self,
+        cell: Cell,
+        cover_left: i32,
+        _: (usize, u32),
+        style: Style,
+        pieces: &mut Vec<Piece>,
+    ) -> Cover {
+        if style.crisp {
+            self.cover_of_centre(cell, cover_left, style.rule, pieces)
+        } else {
+            self.cover(cell, cover_left, style.rule, pieces)
+        }
+    }
 }
 
 impl Coverer {
@@ -99,11 +120,11 @@ impl Coverer {
         rule: FillRule,
         pieces: &mut Vec<Piece>,
     ) -> Cover {
-        self.set.gather(last, cover_left, pieces);
-        if self.set.is_two_valued((total >> AREA_BITS) as i32) {
+        if self.certifier.is_two_valued(last, cover_left, (total >> AREA_BITS) as i32, pieces) {
             return part(two_valued(total, rule), last, cover_left, rule, false);
         }
         self.cleaned += 1;
+        self.set.gather(last, cover_left, pieces);
         if let Some(clean) = self.cleaner.clean(&self.set, rule, pieces) {
             return part(
                 (clean.area.clamp(0, PIXEL_AREA), 1),
@@ -292,24 +313,6 @@ impl PieceSet {
         let near = self.pieces.iter().enumerate().take_while(|(_, p)| 2 * i32::from(p.y0) <= y);
         let left = near.filter(|&(i, p)| i != piece && p.is_left_of(x, y)).map(|(_, p)| p.winding);
         self.winding_left_of(y) + left.sum::<i32>()
-    }
-
-    /// Does the winding number take no values but `low` and `low + 1` in the pixel? A `false` may be
-    /// wrong, a `true` is not.
-    fn is_two_valued(&self, low: i32) -> bool {
-        let pieces = &self.pieces[..];
-        if pieces.len() > MOST_PAIRED || pieces.iter().any(|p| p.winding.abs() != 1) {
-            return false;
-        }
-        // Where no two pieces cross, the winding number is the same all along one side of a piece, and
-        // every region of the pixel has a piece at its border.
-        pieces.iter().enumerate().all(|(i, piece)| {
-            let left = self.winding_left_of_piece(i);
-            // Right of a piece its winding is added; the upper side of a horizontal one is its right.
-            let (least, most) = (left.min(left + piece.winding), left.max(left + piece.winding));
-            let apart = |other: &Segment| !interiors_meet(piece.ends(), other.ends());
-            low <= least && most <= low + 1 && pieces[..i].iter().all(apart)
-        })
     }
 }
 

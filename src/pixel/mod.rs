@@ -3,6 +3,8 @@
 //! | module | takes → makes |
 //! |---|---|
 //! | [`fragment`] | one shape's cell → its fragment, with the exact area |
+//! | [`certificate`] | a fragment's pieces → is its area a closed form? |
+//! | [`crossings`] | pieces of two fragments → where they cross |
 //! | [`cuts`] | pieces that meet → the parts between |
 //! | [`indicator`] | a fragment that crosses itself → the border of what its rule fills |
 //! | [`pair`] | two fragments with one border line each → visible regions |
@@ -12,6 +14,8 @@
 //! | [`resolve`] | z-list → regions by the cheapest exact way → colour |
 
 pub(crate) mod boundary;
+pub(crate) mod certificate;
+pub(crate) mod crossings;
 pub(crate) mod cuts;
 pub(crate) mod fragment;
 pub(crate) mod indicator;

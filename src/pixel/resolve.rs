@@ -310,7 +310,7 @@ impl Resolver {
                 while bits != 0 {
                     front = front.over(sheets[word * 64 + bits.trailing_zeros() as usize].0);
                     bits &= bits - 1;
-                    if front.through < NEGLIGIBLE {
+                    if front.through() < NEGLIGIBLE {
                         break 'sheets;
                     }
                 }
@@ -348,7 +348,7 @@ impl Resolver {
         // What stands in front of the groups that are open, and their opacities.
         let mut outer: Vec<(Sheet, f32)> = Vec::new();
         for item in &self.items {
-            let hidden = front.through < NEGLIGIBLE;
+            let hidden = front.through() < NEGLIGIBLE;
             match *item {
                 Item::GroupStart(opacity) => {
                     outer.push((front, opacity));
@@ -359,7 +359,7 @@ impl Resolver {
                     front = before.over(front.faded(opacity));
                 }
                 _ if hidden && outer.is_empty() => return Ok(front),
-                _ if hidden || outer.iter().any(|(before, _)| before.through < NEGLIGIBLE) => {}
+                _ if hidden || outer.iter().any(|(before, _)| before.through() < NEGLIGIBLE) => {}
                 Item::Sheet(sheet, formula) => {
                     if self.holds(formula, known)? {
                         front = front.over(sheet);
@@ -448,8 +448,7 @@ impl Mean {
     pub fn to_rgba8(self, linear: bool) -> [u8; 4] {
         const SCALE: f64 = 1.0 / PIXEL_AREA as f64;
         let [r, g, b, through] = self.sums;
-        let (r, g, b) = ((r * SCALE) as f32, (g * SCALE) as f32, (b * SCALE) as f32);
-        let sheet = Sheet { color: [r, g, b], through: (through * SCALE) as f32 };
+        let sheet = Sheet::from_channels([r, g, b, through].map(|sum| (sum * SCALE) as f32));
         if linear { sheet.to_srgb() } else { sheet }.to_rgba8()
     }
 }

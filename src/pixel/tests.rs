@@ -6,6 +6,7 @@ use super::pair::shared_area;
 use super::sample::Sampler;
 use super::split::Integrator;
 use crate::bitmap::Bitmap;
+use crate::coverage::BandPlace;
 use crate::edges::{EdgeList, BAND_ROWS};
 use crate::scene::FillRule;
 use crate::strips::{Buckets, Piece};
@@ -61,7 +62,7 @@ impl Pixel {
         let mut buckets = Buckets::new(SIDE);
         let finished = Bitmap::new(SIDE as usize, BAND_ROWS as usize);
         for edge in edges.band(0) {
-            buckets.add(edge, 0, SIDE as usize, &finished, &mut self.pieces);
+            buckets.add(edge, BandPlace { top: 0, count: SIDE as usize }, &finished, &mut self.pieces);
         }
         let mut cover_left = buckets.take_left(MIDDLE);
         let mut cell = None;

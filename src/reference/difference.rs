@@ -89,6 +89,11 @@ impl Bounds {
     }
 }
 
+/// The largest error of one pixel's channels.
+pub(super) fn worst_channel(bytes: [u8; 4], truth: [f64; 4]) -> f64 {
+    channel_errors(bytes, truth).into_iter().fold(0.0, f64::max)
+}
+
 /// The error of each channel of one pixel.
 fn channel_errors(bytes: [u8; 4], truth: [f64; 4]) -> [f64; 4] {
     let (alpha, true_alpha) = (f64::from(bytes[3]), truth[3]);

@@ -68,7 +68,7 @@ pub struct Options {
 
 impl Default for Options {
     fn default() -> Self {
-        Options { tolerance: 2.5e-4, linear: false, background: None, stroker: Stroker::Kurbo }
+        Options { tolerance: 2.5e-4, linear: false, background: None, stroker: Stroker::Pieces }
     }
 }
 
@@ -78,10 +78,10 @@ pub enum Stroker {
     /// [`kurbo::stroke`]: few edges. Round caps and joins are off by up to 3e-4 of their radius; where
     /// a curve turns tighter than half the stroke's width, what the pen sweeps on the way round is
     /// left out, as most renderers do.
-    #[default]
     Kurbo,
     /// The union of a box a flattened segment and a wedge a turn: all that a pen held across the path
     /// sweeps, by construction; twice the time, more where many strokes overlap.
+    #[default]
     Pieces,
 }
 

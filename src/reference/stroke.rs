@@ -45,7 +45,9 @@ fn lines<'a>(
     style: &'a kurbo::Stroke,
     tolerance: f64,
 ) -> impl Iterator<Item = Polyline> + 'a {
-    Polyline::all(path, tolerance).into_iter().flat_map(|line| {
+    // Where a dash ends, its direction comes from the chords about it.
+    let finer = if style.dash_pattern.is_empty() { 0.25 } else { 0.02 };
+    Polyline::all(path, finer * tolerance).into_iter().flat_map(|line| {
         if style.dash_pattern.is_empty() {
             vec![line]
         } else {

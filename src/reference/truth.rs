@@ -1,6 +1,6 @@
 //! Takes painted rows, keeps them: the true picture, in fractions of a level.
 
-use super::difference::Difference;
+use super::difference::{worst_channel, Difference};
 use super::row::PaintedRow;
 use crate::Pixmap;
 
@@ -36,6 +36,15 @@ impl Truth {
             truth.area_defect = truth.area_defect.max(row.area_defect);
         }
         truth
+    }
+
+    /// A truth that was kept elsewhere.
+    ///
+    /// # Panics
+    /// When there is not one pixel for each place.
+    pub(crate) fn from_pixels(width: u32, height: u32, premultiplied: Vec<[f64; 4]>) -> Truth {
+        assert_eq!(premultiplied.len(), width as usize * height as usize, "one pixel for each place");
+        Truth { width, height, premultiplied, swept: 0, approximate: 0, area_defect: 0.0 }
     }
 
     /// Columns.
@@ -85,6 +94,19 @@ impl Truth {
         assert_eq!((self.width, self.height), (pixmap.width(), pixmap.height()), "pictures of one size");
         let bytes = pixmap.data().chunks_exact(4).map(|p| [p[0], p[1], p[2], p[3]]);
         Difference::between(self.width, bytes, &self.premultiplied)
+    }
+}
+
+impl Truth {
+    /// How far each pixel's worst channel is from the truth, row by row, in levels: what
+    /// [`Truth::compare`] sums up.
+    ///
+    /// # Panics
+    /// When the sizes differ.
+    pub fn errors(&self, pixmap: &Pixmap) -> Vec<f32> {
+        assert_eq!((self.width, self.height), (pixmap.width(), pixmap.height()), "pictures of one size");
+        let pixels = pixmap.data().chunks_exact(4).zip(&self.premultiplied);
+        pixels.map(|(p, &levels)| worst_channel([p[0], p[1], p[2], p[3]], levels) as f32).collect()
     }
 }
 

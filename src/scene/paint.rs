@@ -8,26 +8,35 @@ use kurbo::{Affine, Point};
 /// A uniform sheet of colour: what it adds, and how much of what lies behind still shows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Sheet {
-    /// Premultiplied red, green, blue, sRGB-encoded, 0 ..= 1.
-    pub color: [f32; 3],
-    /// Transmittance: 1 - alpha, 0 ..= 1.
-    pub through: f32,
+    /// Premultiplied red, green, blue, sRGB-encoded, and transmittance (1 - alpha), all 0 ..= 1.
+    channels: [f32; 4],
 }
 
 impl Sheet {
     /// Nothing at all.
-    pub const CLEAR: Sheet = Sheet { color: [0.0; 3], through: 1.0 };
+    pub const CLEAR: Sheet = Sheet { channels: [0.0, 0.0, 0.0, 1.0] };
 
     /// From straight colour, all 0 ..= 1.
-    pub fn new(rgb: [f32; 3], alpha: f32) -> Sheet {
-        Sheet { color: rgb.map(|c| c * alpha), through: 1.0 - alpha }
+    pub fn new([r, g, b]: [f32; 3], alpha: f32) -> Sheet {
+        Sheet { channels: [r * alpha, g * alpha, b * alpha, 1.0 - alpha] }
     }
 
-    /// Red, green, blue and transmittance.
+    /// From premultiplied red, green, blue, and transmittance.
+    #[inline]
+    pub fn from_channels(channels: [f32; 4]) -> Sheet {
+        Sheet { channels }
+    }
+
+    /// Premultiplied red, green, blue, and transmittance.
     #[inline]
     pub fn channels(self) -> [f32; 4] {
-        let [r, g, b] = self.color;
-        [r, g, b, self.through]
+        self.channels
+    }
+
+    /// The share of light from behind that still shows.
+    #[inline]
+    pub fn through(self) -> f32 {
+        self.channels[3]
     }
 
     /// This sheet in front of another (Porter & Duff's `over`).
@@ -35,34 +44,30 @@ impl Sheet {
     pub fn over(self, behind: Sheet) -> Sheet {
         // One formula for all four, so that it can be one vector operation.
         const KEPT: [f32; 4] = [1.0, 1.0, 1.0, 0.0];
-        let (front, behind) = (self.channels(), behind.channels());
-        let mut mixed = [0.0; 4];
-        for i in 0..4 {
-            mixed[i] = KEPT[i] * front[i] + self.through * behind[i];
-        }
-        let [r, g, b, through] = mixed;
-        Sheet { color: [r, g, b], through }
+        let through = self.through();
+        Sheet { channels: std::array::from_fn(|i| KEPT[i] * self.channels[i] + through * behind.channels[i]) }
     }
 
     /// This sheet at less opacity.
     pub fn faded(self, opacity: f32) -> Sheet {
-        Sheet { color: self.color.map(|c| c * opacity), through: 1.0 - opacity * (1.0 - self.through) }
+        let [r, g, b, through] = self.channels;
+        Sheet { channels: [r * opacity, g * opacity, b * opacity, 1.0 - opacity * (1.0 - through)] }
     }
 
     #[inline]
     pub fn is_opaque(self) -> bool {
-        self.through <= 0.0
+        self.through() <= 0.0
     }
 
     /// Straight 8-bit RGBA; a clear sheet is all 0.
     #[inline]
     pub fn to_rgba8(self) -> [u8; 4] {
-        let alpha = 1.0 - self.through;
+        let alpha = 1.0 - self.through();
         if alpha <= 0.0 {
             return [0; 4];
         }
         let byte = |v: f32| (v * 255.0 + 0.5) as u8;
-        let [r, g, b] = self.color;
+        let [r, g, b, _] = self.channels;
         if alpha == 1.0 {
             return [byte(r), byte(g), byte(b), 255];
         }
@@ -80,11 +85,13 @@ impl Sheet {
     }
 
     fn recoded(self, code: fn(f32) -> f32) -> Sheet {
-        let alpha = 1.0 - self.through;
+        let alpha = 1.0 - self.through();
         if alpha <= 0.0 {
             return self;
         }
-        Sheet { color: self.color.map(|c| code(c / alpha) * alpha), ..self }
+        let [r, g, b, through] = self.channels;
+        let [r, g, b] = [r, g, b].map(|c| code(c / alpha) * alpha);
+        Sheet { channels: [r, g, b, through] }
     }
 }
 
@@ -121,7 +128,7 @@ impl Paint {
     /// Does nothing of it show?
     pub fn is_invisible(&self) -> bool {
         match self {
-            Paint::Flat(sheet) => sheet.through >= 1.0,
+            Paint::Flat(sheet) => sheet.through() >= 1.0,
             Paint::Gradient(gradient) => gradient.stops.iter().all(|stop| stop.color[3] <= 0.0),
         }
     }

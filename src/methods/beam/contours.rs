@@ -2,8 +2,8 @@
 //! so that it is a witness for the edges that the other methods share.
 
 use super::region::{Contour, Corner};
-use crate::edges::{FRACTION_BITS, ONE};
-use crate::pen;
+use crate::edges::{Lines, FRACTION_BITS, ONE};
+use crate::pen::Pen;
 use crate::polygons::largest_scale;
 use crate::scene::{FillRule, Geometry, Outline};
 use crate::Viewport;
@@ -13,31 +13,52 @@ use usvg::tiny_skia_path::PathSegment;
 /// How far a chord may lie from the curve, as a share of the tolerance: all of it lies on the curve's
 /// inner side, which shows as area.
 const CHORD_SHARE: f64 = 0.1;
-/// The same for a stroke's outline.
-const PEN_SHARE: f64 = 0.05;
+
+/// Closed polygons, in pixels.
+struct Rings(Vec<Vec<Point>>);
+
+impl Lines for Rings {
+    fn sees_no_curve(&self, _: &[Point]) -> bool {
+        false
+    }
+
+    fn move_to(&mut self, p: Point) {
+        self.0.push(vec![p]);
+    }
+
+    fn line_to(&mut self, p: Point) {
+        match self.0.last_mut() {
+            Some(ring) => ring.push(p),
+            None => self.move_to(p),
+        }
+    }
+
+    fn close(&mut self) {}
+}
 
 /// The closed polygons of an outline, as far as they lie in the picture. Shapes that are not to be
 /// smoothed come as the pixels whose centres they hold, and are to be filled by either rule.
 pub(super) fn contours(geometry: &Geometry, viewport: &Viewport, tolerance: f64) -> Vec<Contour> {
     let transform = viewport.transform * geometry.transform;
     let path = bez_path(&geometry.path);
-    let outline = match &geometry.outline {
-        Outline::Fill(_) => path,
+    let mut rings = Rings(Vec::new());
+    match &geometry.outline {
+        Outline::Fill(_) => {
+            kurbo::flatten(transform * path, CHORD_SHARE * tolerance, |element| match element {
+                PathEl::MoveTo(p) => rings.move_to(p),
+                PathEl::LineTo(p) => rings.line_to(p),
+                _ => {}
+            });
+        }
         Outline::Stroke(style) => {
             let scale = largest_scale(transform);
             if scale <= 0.0 || !scale.is_finite() {
                 return Vec::new();
             }
-            let fine = PEN_SHARE * tolerance / scale;
-            pen::outline(&mut kurbo::StrokeCtx::default(), path.iter(), style, fine).collect()
+            Pen::default().stroke(path.into_iter(), style, (transform, scale), tolerance, &mut rings);
         }
-    };
-    let mut rings: Vec<Vec<Point>> = Vec::new();
-    kurbo::flatten(transform * outline, CHORD_SHARE * tolerance, |element| match element {
-        PathEl::MoveTo(p) => rings.push(vec![p]),
-        PathEl::LineTo(p) => rings.last_mut().expect("paths begin with a move").push(p),
-        _ => {}
-    });
+    }
+    let Rings(mut rings) = rings;
     rings.retain(|ring| ring.iter().all(|p| p.is_finite()));
     let fixed = |v: f64| (v * f64::from(ONE)).round() as i32;
     let contours: Vec<Contour> = rings

@@ -127,8 +127,8 @@ impl Sums {
     pub fn write(&self, y: usize, pixels: &mut [[u8; 4]]) {
         for (x, pixel) in pixels.iter_mut().enumerate().take(self.width) {
             let at = y * self.width + x;
-            let [r, g, b, through] = self.colors[at].map(|sum| (sum / self.areas[at]) as f32);
-            let sheet = Sheet { color: [r, g, b], through };
+            let mean = self.colors[at].map(|sum| (sum / self.areas[at]) as f32);
+            let sheet = Sheet::from_channels(mean);
             *pixel = if self.linear { sheet.to_srgb() } else { sheet }.to_rgba8();
         }
     }

@@ -1,0 +1,137 @@
+//! Takes two segments that meet, makes the outline of their join; takes an end, makes that of its cap
+//! (SVG 2, 13.5.4 and 13.5.5).
+
+use super::spine::Spine;
+use super::{quarter, Nib};
+use kurbo::{Cap, Join, Point, Stroke, Vec2};
+use std::f64::consts::FRAC_PI_2;
+
+/// A pen's end that moves less than this in a corner, in pixels, makes no join.
+const SMOOTH: f64 = 1e-4;
+
+/// Where the path turns from one segment to the next.
+#[derive(Clone, Copy)]
+pub(super) struct Corner {
+    at: Point,
+    /// Unit vectors along the path, before and after.
+    before: Vec2,
+    after: Vec2,
+    cosine: f64,
+    /// The side, as [`super::side::Side::which`], that the path turns to.
+    pub inner: f64,
+    /// How far from the corner the two inner sides meet, measured along the path.
+    pub trim: f64,
+    /// How far one segment's inner side reaches along the other segment.
+    pub reach: f64,
+    pub inner_join: InnerJoin,
+}
+
+/// How the two inner sides are joined.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum InnerJoin {
+    /// Both end where they meet.
+    Meet,
+    /// By a straight line, which both segments cover.
+    Line,
+    /// By way of the corner: each segment has its own piece, however short the other is.
+    Corner,
+}
+
+/// How far from the corner its inner join passes, in pixels: enough that the outline touches nothing
+/// that has the path for its border, and too little to be seen.
+const BESIDE: f64 = 2.5e-4;
+
+impl Corner {
+    /// The corner between two segments, or `None` where the path goes smoothly on.
+    pub fn new(spine: &Spine, before: usize, after: usize, nib: Nib) -> Option<Corner> {
+        let (end, begin) = (spine.end(before), spine.begin(after));
+        let (sine, cosine) = (end.along.cross(begin.along), end.along.dot(begin.along));
+        let radius = nib.radius;
+        if cosine > 0.0 && sine.abs() * radius * nib.scale < SMOOTH {
+            return None;
+        }
+        Some(Corner {
+            at: begin.at,
+            before: end.along,
+            after: begin.along,
+            cosine,
+            inner: if sine < 0.0 { -1.0 } else { 1.0 },
+            trim: radius * ((1.0 - cosine) / (1.0 + cosine)).max(0.0).sqrt(),
+            reach: radius * sine.abs(),
+            inner_join: InnerJoin::Corner,
+        })
+    }
+
+    /// The vertices on one side between the two segments'.
+    pub fn walk(&self, which: f64, style: &Stroke, nib: Nib, add: &mut impl FnMut(Point)) {
+        if which == self.inner {
+            match self.inner_join {
+                InnerJoin::Meet => add(self.crossing(which, nib)),
+                InnerJoin::Line => {}
+                InnerJoin::Corner => {
+                    let inwards = self.after - self.before;
+                    add(self.at + BESIDE / nib.scale / inwards.hypot() * inwards);
+                }
+            }
+            return;
+        }
+        let limit = style.miter_limit;
+        match style.join {
+            Join::Bevel => {}
+            Join::Miter if limit * limit * (1.0 + self.cosine) >= 2.0 => add(self.crossing(which, nib)),
+            Join::Miter => {}
+            Join::Round => self.arc(which, nib, add),
+        }
+    }
+
+    /// Where the two segments' lines on one side cross.
+    fn crossing(&self, which: f64, nib: Nib) -> Point {
+        self.at + which * nib.radius / (1.0 + self.cosine) * quarter(self.before + self.after)
+    }
+
+    fn arc(&self, which: f64, nib: Nib, add: &mut impl FnMut(Point)) {
+        // Towards the middle of the arc; of the two ways to get it, the one that is not near zero.
+        let middle = match self.cosine > 0.0 {
+            true => which * quarter(self.before + self.after),
+            false => self.before - self.after,
+        };
+        let sine = self.before.cross(self.after).abs();
+        let half = 0.5 * libm::atan2(sine, self.cosine);
+        arc(self.at, middle / middle.hypot(), -which * half, nib, add);
+    }
+}
+
+/// The vertices of a cap between the ends of the two sides: from the side that a quarter turn of
+/// `outwards` points to, to the other. Both ends are among them.
+pub(super) fn cap(at: Point, outwards: Vec2, style: Cap, nib: Nib, add: &mut impl FnMut(Point)) {
+    let side = nib.radius * quarter(outwards);
+    let reach = nib.radius * outwards;
+    add(at + side);
+    match style {
+        Cap::Butt => {}
+        Cap::Square => {
+            add(at + side + reach);
+            add(at - side + reach);
+        }
+        Cap::Round => arc(at, outwards, -FRAC_PI_2, nib, add),
+    }
+    add(at - side);
+}
+
+/// The inner vertices of an arc around `middle` (a unit vector), from `-half` to `half` radians, which
+/// enclose the arc's area.
+fn arc(center: Point, middle: Vec2, half: f64, nib: Nib, add: &mut impl FnMut(Point)) {
+    let turn = 2.0 * half.abs();
+    let steps = nib.stops(0.0, turn);
+    let step = turn / steps;
+    let steps = steps as i32;
+    for i in 1..steps {
+        let ends = i32::from(i == 1) + i32::from(i + 1 == steps);
+        let radius = nib.radius * (1.0 + step * step / 12.0 * (1.0 + 0.5 * f64::from(ends)));
+        // The same for both ends of the arc.
+        let from_middle = f64::from((2 * i - steps).abs()) * (0.5 * step);
+        let (sine, cosine) = libm::sincos(from_middle);
+        let side = f64::from((2 * i - steps).signum()) * half.signum() * sine;
+        add(center + radius * (cosine * middle + side * quarter(middle)));
+    }
+}
