@@ -31,6 +31,9 @@ pub struct Settings {
     pub linear: bool,
     /// Painted behind everything, straight RGBA; `None` keeps the picture's alpha.
     pub background: Option<[u8; 4]>,
+    /// Pieces that Catmull's recursion may hold against regions in one pixel, before the pixel is
+    /// sampled on 128 lines instead. Pixels whose closed form is known never come to it.
+    pub most_work: u32,
     /// Threads to use; 0 for one a core. The bytes do not depend on it.
     pub threads: usize,
     /// Take the time of each stage for [`Renderer::stages`]. Without it no clock is read in a band.
@@ -44,6 +47,7 @@ impl Default for Settings {
             tolerance: Settings::DEFAULT_TOLERANCE,
             linear: false,
             background: None,
+            most_work: Settings::DEFAULT_MOST_WORK,
             threads: 0,
             stage_times: false,
         }
@@ -53,6 +57,8 @@ impl Default for Settings {
 impl Settings {
     /// Keeps every pixel within one 8-bit level of the true curve's area.
     pub const DEFAULT_TOLERANCE: f64 = 0.01;
+    /// A hundredth of a second or so for a pixel.
+    pub const DEFAULT_MOST_WORK: u32 = 30_000;
 
     /// The defaults of a method: curves are flattened only as finely as it can show.
     pub fn of(method: Method) -> Settings {
@@ -262,7 +268,8 @@ impl Renderer {
         let background = self.settings.background.map_or(Sheet::CLEAR, |[r, g, b, a]| {
             Sheet::new([r, g, b].map(|c| f32::from(c) / 255.0), f32::from(a) / 255.0)
         });
-        let around = Surroundings { shaders: &shaders, background, linear: self.settings.linear };
+        let Settings { linear, most_work, .. } = self.settings;
+        let around = Surroundings { shaders: &shaders, background, linear, most_work };
         let placed = start.elapsed();
         let mut more = Some(0);
         while more.take().is_some() {

@@ -121,7 +121,7 @@ fn the_json_has_the_documented_fields() {
     assert!(none["error"]["max"].as_f64().unwrap() > 50.0, "{}", none["error"]);
     assert!(none["pan"]["flicker"].as_f64() > exact["pan"]["flicker"].as_f64());
     assert!(none["worst"][0]["error"].as_f64().unwrap() > 50.0);
-    assert_eq!(exact["curve"]["parameter"], "tolerance");
+    assert_eq!(exact["curves"][0]["parameter"], "tolerance");
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! Takes a method with a number to turn, makes its curve: error and time at several values of it.
 //!
-//! The sampled methods have their number of samples, the exact one the tolerance at which curves are
-//! flattened. A curve stops before a point that would take longer than what is left of its budget.
+//! The sampled methods have their number of samples; the exact one has the tolerance at which curves
+//! are flattened, and the cap on the recursion. A curve stops before a point that would take longer than what is left of its budget.
 
 use super::timing::{milliseconds, Spread};
 use super::Options;
@@ -18,13 +18,15 @@ const SAMPLES: [u16; 6] = [1, 4, 16, 64, 256, 1024];
 const SIDES: [u16; 6] = [1, 2, 4, 8, 16, 32];
 /// Distances in pixels.
 const TOLERANCES: [f64; 8] = [2.0, 1.0, 0.5, 0.2, 0.1, 0.05, 0.01, 0.002];
+/// Pieces held against regions in one pixel.
+const CAPS: [u32; 6] = [0, 10, 100, 1_000, 10_000, 100_000];
 
 /// Error and time against one number.
 #[derive(Clone, Debug, Serialize)]
 pub struct Curve {
     /// The method's name without its number.
     pub family: String,
-    /// What the number is: `samples`, `samples a side` or `tolerance`.
+    /// What the number is: `samples`, `samples a side`, `tolerance` or `cap`.
     pub parameter: &'static str,
     /// From the cheap end to the dear one.
     pub points: Vec<Point>,
@@ -45,15 +47,25 @@ pub struct Point {
     pub ms: f64,
 }
 
-/// The curve of this method, if it has a number to turn.
-pub fn curve(
+/// The curves of this method, one for each number to turn.
+pub fn curves(
     method: Method,
     scene: &Scene,
     viewport: &Viewport,
     truth: &Truth,
     options: &Options,
+) -> Vec<Curve> {
+    let variants = variants(method, options).into_iter();
+    variants.filter_map(|variants| curve(variants, scene, viewport, truth, options)).collect()
+}
+
+fn curve(
+    (family, parameter, settings): Variants,
+    scene: &Scene,
+    viewport: &Viewport,
+    truth: &Truth,
+    options: &Options,
 ) -> Option<Curve> {
-    let (family, parameter, settings) = variants(method, options)?;
     let mut points = Vec::new();
     let start = Instant::now();
     let mut last = Duration::ZERO;
@@ -85,21 +97,27 @@ pub fn curve(
 /// A family's name, what its number is, and settings for several values of it.
 type Variants = (String, &'static str, Vec<(f64, Settings)>);
 
-/// The method's family, if its members differ by a number.
-fn variants(method: Method, options: &Options) -> Option<Variants> {
+/// The method's families: their members differ by a number.
+fn variants(method: Method, options: &Options) -> Vec<Variants> {
     let name = method.to_string();
     let (family, number) = name.split_once(':').unwrap_or((&name, ""));
     if method == Method::Exact {
         let with = |&tolerance: &f64| (tolerance, Settings { tolerance, ..options.settings(method) });
-        return Some((name, "tolerance", TOLERANCES.iter().map(with).collect()));
+        let capped = |&cap: &u32| (f64::from(cap), Settings { most_work: cap, ..options.settings(method) });
+        return vec![
+            (name.clone(), "tolerance", TOLERANCES.iter().map(with).collect()),
+            (name, "cap", CAPS.iter().map(capped).collect()),
+        ];
     }
-    number.parse::<u16>().ok()?;
+    if number.parse::<u16>().is_err() {
+        return Vec::new();
+    }
     let (parameter, numbers) = match method {
         Method::Grid(_) => ("samples a side", SIDES),
         _ => ("samples", SAMPLES),
     };
     let with = |n: u16| Some((f64::from(n), options.settings(format!("{family}:{n}").parse().ok()?)));
-    Some((family.to_string(), parameter, numbers.into_iter().filter_map(with).collect()))
+    vec![(family.to_string(), parameter, numbers.into_iter().filter_map(with).collect())]
 }
 
 #[cfg(test)]
@@ -112,8 +130,8 @@ mod tests {
             let name = method.to_string();
             let number = name.split_once(':').is_some_and(|(_, n)| n.parse::<u16>().is_ok());
             let variants = variants(method, &Options::default());
-            assert_eq!(variants.is_some(), number || method == Method::Exact, "{name}");
-            assert!(variants.is_none_or(|(_, _, all)| all.len() > 3), "{name}");
+            assert_eq!(!variants.is_empty(), number || method == Method::Exact, "{name}");
+            assert!(variants.iter().all(|(_, _, all)| all.len() > 3), "{name}");
         }
     }
 }

@@ -112,7 +112,7 @@ impl Options {
     /// How a method renders.
     fn settings(&self, method: Method) -> Settings {
         let Options { tolerance, linear, background, threads, .. } = *self;
-        Settings { method, tolerance, linear, background, threads, stage_times: false }
+        Settings { method, tolerance, linear, background, threads, stage_times: false, ..Settings::default() }
     }
 
     /// How the truth is made.

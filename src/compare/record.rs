@@ -44,8 +44,8 @@ pub struct Record {
     pub worst: Vec<Spot>,
     /// Under motion, if that was asked for.
     pub pan: Option<Pan>,
-    /// Error and time against the method's number.
-    pub curve: Option<Curve>,
+    /// Error and time against the method's numbers.
+    pub curves: Vec<Curve>,
     /// How the truth was made.
     pub reference: About,
     /// Why there is no picture.

@@ -4,7 +4,7 @@
 //!
 //! Promises: a method that cannot do this drawing is a record that says why; it ends nothing.
 
-use super::curves::curve;
+use super::curves::curves;
 use super::flip::{mean, Flip};
 use super::picture::Shown;
 use super::record::{ErrorFigures, Ratios, Record, Stage};
@@ -84,11 +84,11 @@ pub fn compare(
     pan(&mut runners, &source, subject, options, watch);
     if options.curves {
         for runner in &mut runners {
-            watch(&format!("{}, curve", runner.record.method));
+            watch(&format!("{}, curves", runner.record.method));
             if runner.renderer.is_some() {
                 let Subject { scene, viewport, .. } = subject;
-                let made = guarded(|| Ok(curve(runner.method, scene, viewport, &standard.truth, options)));
-                runner.record.curve = made.ok().flatten();
+                let made = guarded(|| Ok(curves(runner.method, scene, viewport, &standard.truth, options)));
+                runner.record.curves = made.unwrap_or_default();
             }
         }
     }
@@ -308,7 +308,7 @@ fn blank(method: String, subject: &Subject, options: &Options, about: &About) ->
         seams: None,
         worst: Vec::new(),
         pan: None,
-        curve: None,
+        curves: Vec::new(),
         reference: about.clone(),
         failed: None,
         notes: Vec::new(),

@@ -82,6 +82,8 @@ pub(crate) struct Surroundings<'a> {
     /// Behind everything.
     pub background: Sheet,
     pub linear: bool,
+    /// As [`crate::Settings::most_work`].
+    pub most_work: u32,
 }
 
 impl Resolver {
@@ -242,6 +244,7 @@ impl Resolver {
                 move |leaf| (known.known >> leaf & 1 != 0).then_some(known.inside >> leaf & 1 != 0)
             };
             done = integrator.integrate(
+                place.around.most_work,
                 |known| self.compose(&is_known(known), None, place.around).err(),
                 |known, area, corners| {
                     let at = centroid(corners).filter(|_| self.has_gradient).map(|c| place.point(c));

@@ -23,9 +23,6 @@ use crate::edges::ONE;
 /// pixel, far above the rounding of the arithmetic here and far below what can be seen.
 const ON_BORDER: f64 = 1e-3;
 
-/// Pieces held against regions, in one pixel, before the integrator gives up.
-const MOST_WORK: usize = 30_000;
-
 /// Fragments that can be told apart in one pixel.
 pub(crate) const MOST_LEAVES: usize = 64;
 
@@ -141,13 +138,15 @@ impl Integrator {
 
     /// Splits the pixel until `wanted` asks for no more fragment. `wanted` is told what is known of a
     /// region and answers with the number of a fragment it must know, front ones first; `emit` is
-    /// given each region: what is known of it, its area and its corners in fixed point.
+    /// given each region: what is known of it, its area and its corners in fixed point. It gives up
+    /// when more than `most_work` pieces have been held against regions.
     pub fn integrate(
         &mut self,
+        most_work: u32,
         mut wanted: impl FnMut(Known) -> Option<usize>,
         mut emit: impl FnMut(Known, i64, &[Corner]),
     ) -> Result<(), TooComplex> {
-        let mut work = 0;
+        let mut work = 0u32;
         self.start();
         while let Some(mut region) = self.regions.pop() {
             let first = region.first_corner as usize;
@@ -158,8 +157,8 @@ impl Integrator {
                     break;
                 };
                 let Leaf { chords: (from, to), .. } = self.leaves[leaf];
-                work += (to - from) as usize;
-                if work > MOST_WORK {
+                work += to - from;
+                if work > most_work {
                     return Err(TooComplex);
                 }
                 let chords = &self.chords[from as usize..to as usize];

@@ -11,6 +11,7 @@ use crate::edges::{EdgeList, BAND_ROWS};
 use crate::scene::FillRule;
 use crate::strips::{Buckets, Piece};
 use crate::zlist::Borders;
+use crate::Settings;
 use kurbo::Point;
 use std::collections::BTreeMap;
 
@@ -103,7 +104,7 @@ impl Pixel {
         let emit = |known: super::split::Known, area: i64, _: &[super::split::Corner]| {
             *regions.entry(known.inside).or_insert(0) += area;
         };
-        integrator.integrate(wanted, emit).ok()?;
+        integrator.integrate(Settings::DEFAULT_MOST_WORK, wanted, emit).ok()?;
         assert_eq!(regions.values().sum::<i64>(), PIXEL_AREA, "the areas sum exactly to the pixel");
         Some(regions)
     }
@@ -114,7 +115,9 @@ fn raw_area(set: &PieceSet, rule: FillRule) -> Option<i64> {
     integrator.add(set, rule);
     let mut inside = 0;
     let wanted = |known: super::split::Known| (known.known == 0).then_some(0);
-    integrator.integrate(wanted, |known, area, _| inside += area * known.inside as i64).ok()?;
+    integrator
+        .integrate(Settings::DEFAULT_MOST_WORK, wanted, |known, area, _| inside += area * known.inside as i64)
+        .ok()?;
     Some(inside)
 }
 

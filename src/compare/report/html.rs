@@ -161,10 +161,11 @@ fn plots(records: &[Record]) -> Vec<(&'static str, &'static str, String)> {
 
 /// One plot for each kind of number to turn.
 fn curves(records: &[Record]) -> Vec<(&'static str, String)> {
-    let of = |sampled: bool| -> Vec<Series> {
-        let curves = records.iter().filter_map(|record| record.curve.as_ref());
-        let wanted = curves.filter(|curve| (curve.parameter == "tolerance") != sampled);
-        // A drawing without curves has nothing to show of the tolerance.
+    let of = |parameters: &[&str]| -> Vec<Series> {
+        let curves = records.iter().flat_map(|record| &record.curves);
+        let wanted = curves.filter(|curve| parameters.contains(&curve.parameter));
+        // A drawing without curves has nothing to show of the tolerance, nor one without hard pixels of
+        // the cap.
         let tells = |curve: &&Curve| {
             let rms = || curve.points.iter().map(|point| point.rms);
             rms().fold(0.0, f64::max) > 1.05 * rms().fold(f64::MAX, f64::min)
@@ -193,11 +194,12 @@ fn curves(records: &[Record]) -> Vec<(&'static str, String)> {
         series.collect()
     };
     let captions = [
-        (false, "The tolerance at which curves are flattened, in pixels"),
-        (true, "The number of samples (of grid: along one side of the pixel)"),
+        (&["tolerance"][..], "The tolerance at which curves are flattened, in pixels"),
+        (&["cap"], "The cap on the recursion: pieces held against regions in one pixel"),
+        (&["samples", "samples a side"], "The number of samples (of grid: along one side of the pixel)"),
     ];
-    let plot = |(sampled, caption): (bool, &'static str)| {
-        let series = of(sampled);
+    let plot = |(parameters, caption): (&[&str], &'static str)| {
+        let series = of(parameters);
         (!series.is_empty()).then(|| {
             let plot = Plot {
                 x_label: "time from scene to pixels, milliseconds".into(),
