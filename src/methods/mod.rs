@@ -4,7 +4,7 @@
 //! |---|---|
 //! | [`exact`] | `exact`: fragments as geometry |
 //! | [`mask`] | `mask`, `mask64`, and with a single sample `none`: the A-buffer |
-//! | [`sampled`] | `grid`, `random`, `jitter`, `poisson`: supersampling |
+//! | [`mod@sampled`] | `grid`, `random`, `jitter`, `poisson`: supersampling |
 //! | [`accumulate`] | `accumulate`: the mean of jagged pictures |
 //! | [`adaptive`] | `adaptive:N`: more samples where the first ones differ |
 //! | [`corner`] | `corner`, `corner:tiny`: borders found between the corners of pixels |

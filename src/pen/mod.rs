@@ -1,4 +1,4 @@
-//! Takes a path and a pen, makes the outline of the line that it draws, as polygons for an [`EdgeList`]
+//! Takes a path and a pen, makes the outline of the line that it draws, as polygons for an [`EdgeList`](crate::edges::EdgeList)
 //! to be filled non-zero.
 //!
 //! | module | takes → makes |

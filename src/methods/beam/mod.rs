@@ -23,7 +23,6 @@ use self::contours::contours;
 use self::region::{Region, Work};
 use self::sums::Sums;
 use crate::edges::ONE;
-use crate::pixel::resolve::Surroundings;
 use crate::scene::paint::{Paint, Shader, Sheet};
 use crate::scene::{ClipId, FillRule, Geometry, GroupId, Outline, Scene};
 use crate::{Error, Settings, Viewport};
@@ -88,7 +87,7 @@ pub(super) fn paint(
         Paint::Gradient(gradient) => Some(gradient.shader(viewport.transform)),
     };
     let shaders: Vec<Option<Shader>> = scene.shapes.iter().map(|shape| shader(&shape.paint)).collect();
-    let around = Surroundings { shaders: &shaders, background, linear: settings.linear };
+    let around = Around { shaders: &shaders, background };
     let mut tracer = Tracer {
         scene,
         viewport,
@@ -105,11 +104,19 @@ pub(super) fn paint(
     Ok(())
 }
 
+/// What all parts have in common.
+struct Around<'a> {
+    /// By shape number.
+    shaders: &'a [Option<Shader<'a>>],
+    /// Behind everything.
+    background: Sheet,
+}
+
 struct Tracer<'a> {
     scene: &'a Scene,
     viewport: &'a Viewport,
     tolerance: f64,
-    around: &'a Surroundings<'a>,
+    around: &'a Around<'a>,
     clips: HashMap<ClipId, Region>,
     work: Work,
     sums: Sums,
@@ -278,7 +285,7 @@ impl Front {
 }
 
 /// The colour of items at a point, with what lies behind the drawing.
-fn compose(items: &[Item], around: &Surroundings, (x, y): (f64, f64)) -> Sheet {
+fn compose(items: &[Item], around: &Around, (x, y): (f64, f64)) -> Sheet {
     let mut front = Sheet::CLEAR;
     let mut outer = Vec::new();
     for item in items {
