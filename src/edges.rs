@@ -82,6 +82,36 @@ impl Extent {
     }
 }
 
+/// Takes polygons line by line, in pixels.
+pub(crate) trait Lines {
+    /// As [`EdgeList::sees_no_curve`].
+    fn sees_no_curve(&self, hull: &[Point]) -> bool;
+    /// Begins a polygon; the one before is closed.
+    fn move_to(&mut self, p: Point);
+    fn line_to(&mut self, p: Point);
+    /// Adds the line back to the polygon's beginning.
+    fn close(&mut self);
+}
+
+impl Lines for EdgeList {
+    fn sees_no_curve(&self, hull: &[Point]) -> bool {
+        EdgeList::sees_no_curve(self, hull)
+    }
+
+    fn move_to(&mut self, p: Point) {
+        EdgeList::move_to(self, p);
+    }
+
+    #[inline]
+    fn line_to(&mut self, p: Point) {
+        EdgeList::line_to(self, p);
+    }
+
+    fn close(&mut self) {
+        EdgeList::close(self);
+    }
+}
+
 /// A corner of a polygon: in pixels, and in fixed point if it lies within the guard rectangle.
 #[derive(Clone, Copy)]
 struct Corner {

@@ -140,7 +140,8 @@ impl Renderer {
     /// Renders into a new picture.
     ///
     /// # Errors
-    /// [`Error::Size`] when the viewport is empty or too large, or its transform is not finite.
+    /// [`Error::Size`] when the viewport is empty or too large, or its transform is not finite;
+    /// [`Error::Limit`] or [`Error::Setting`] when the method cannot make the picture ([`Method`]).
     pub fn render(&mut self, scene: &Scene, viewport: &Viewport) -> Result<Pixmap, Error> {
         check(viewport)?;
         let mut pixmap = Pixmap::new(viewport.width, viewport.height);

@@ -4,8 +4,13 @@
 //! |---|---|
 //! | [`exact`] | `exact`: fragments as geometry |
 //! | [`mask`] | `mask`, `mask64`, and with a single sample `none`: the A-buffer |
-//! | [`sampled`] | `grid`, `random`, `jitter`, `poisson`: supersampling |
+//! | [`mod@sampled`] | `grid`, `random`, `jitter`, `poisson`: supersampling |
 //! | [`accumulate`] | `accumulate`: the mean of jagged pictures |
+//! | [`adaptive`] | `adaptive:N`: more samples where the first ones differ |
+//! | [`corner`] | `corner`, `corner:tiny`: borders found between the corners of pixels |
+//! | [`area`], [`cone`] | each shape's share of a square or a disk, painted over what is below |
+//! | [`beam`] | the visible polygons of the whole picture |
+//! | [`tiny_skia`] | resvg's renderer |
 //!
 //! They share:
 //!
@@ -15,6 +20,10 @@
 //! | [`patterns`] | a pixel → points in it |
 //! | [`tally`] | sets of samples, with signs → winding numbers |
 //! | [`sets`] | a z-list of sets → the pixel's colour |
+//! | [`borders`] | an outline → one row of it, and what cuts its pixels |
+//! | [`points`] | a band's shapes → the colour at a point |
+//! | [`footprint`] | a row of an outline → its area within a pixel's square or disk |
+//! | [`shares`] | such areas → pixels, shape painted over shape |
 //!
 //! A method that works band by band is a [`BandPainter`]; one that must see the whole picture at once is
 //! a [`PicturePainter`]. A new method is an arm of [`Method`], a line in [`Method::ALL`], a file here
@@ -34,13 +43,23 @@ use std::fmt;
 use std::str::FromStr;
 
 pub(crate) mod accumulate;
+pub(crate) mod adaptive;
+pub(crate) mod area;
+pub(crate) mod beam;
+pub(crate) mod borders;
+pub(crate) mod cone;
+pub(crate) mod corner;
 pub(crate) mod exact;
+pub(crate) mod footprint;
 pub(crate) mod lattice;
 pub(crate) mod mask;
 pub(crate) mod patterns;
+pub(crate) mod points;
 pub(crate) mod sampled;
 pub(crate) mod sets;
+pub(crate) mod shares;
 pub(crate) mod tally;
+pub(crate) mod tiny_skia;
 
 /// A way of anti-aliasing. [`FromStr`] and [`fmt::Display`] give its name, as `--aa` takes it.
 ///
@@ -75,11 +94,13 @@ pub enum Method {
     CornerTiny,
     /// A disk for each pixel's footprint (Amanatides 1984).
     Cone,
-    /// Visible polygons of the whole picture, found once (Heckbert & Hanrahan 1984).
+    /// Visible polygons of the whole picture, found once (Heckbert & Hanrahan 1984). Rendering fails
+    /// with [`Error::Limit`] where a drawing or a picture is too large for it.
     Beam,
     /// Exact area of each shape alone, painted over what is below: seams and all.
     Area,
-    /// tiny-skia, resvg's renderer.
+    /// tiny-skia, resvg's renderer. Rendering fails with [`Error::Setting`] where light is to be mixed
+    /// linearly, which it cannot do.
     TinySkia,
 }
 
@@ -204,7 +225,6 @@ pub(crate) type PicturePainter = fn(&Scene, &Viewport, &Settings, &mut [u8], usi
 /// Who does it.
 pub(crate) enum Painter {
     Bands(Box<dyn BandPainter>),
-    #[allow(dead_code)]
     Picture(PicturePainter),
 }
 
@@ -224,7 +244,13 @@ pub(crate) fn painter(method: Method, width: u32, height: u32) -> Result<Painter
         Method::Jitter(count) => sampled(size, Pattern::Jitter(count)),
         Method::Poisson(count) => sampled(size, Pattern::Poisson(PoissonTile::new(count))),
         Method::Accumulate(count) => Ok(Painter::Bands(Box::new(Accumulate::new(width, height, count)))),
-        other => Err(Error::Setting(format!("the method {other} comes in a later version"))),
+        Method::Adaptive(most) => Ok(Painter::Bands(Box::new(adaptive::Adaptive::new(most, width, height)))),
+        Method::Corner => Ok(Painter::Bands(Box::new(corner::Corner::new(width, height)))),
+        Method::CornerTiny => Ok(Painter::Bands(Box::new(corner::Corner::tiny(width, height)))),
+        Method::Cone => Ok(Painter::Bands(cone::painter(width, height))),
+        Method::Area => Ok(Painter::Bands(area::painter(width, height))),
+        Method::Beam => Ok(Painter::Picture(beam::paint)),
+        Method::TinySkia => Ok(Painter::Picture(tiny_skia::paint)),
     }
 }
 
@@ -236,7 +262,7 @@ fn bands<C: Coverage + 'static>((width, height): (u32, u32), coverage: C) -> Res
 fn sampled((width, height): (u32, u32), pattern: Pattern) -> Result<Painter, Error> {
     match pattern.count() {
         ..=64 => bands((width, height), Sampled::<u64>::new(width, pattern)),
-        ..=256 => bands((width, height), Sampled::<Words<4>>::new(width, pattern)),
+        65..=256 => bands((width, height), Sampled::<Words<4>>::new(width, pattern)),
         _ => bands((width, height), Sampled::<Words<16>>::new(width, pattern)),
     }
 }

@@ -1,4 +1,4 @@
-//! Takes a path and a pen, makes the outline of the line that it draws, as polygons for an [`EdgeList`]
+//! Takes a path and a pen, makes the outline of the line that it draws, as polygons for an [`EdgeList`](crate::edges::EdgeList)
 //! to be filled non-zero.
 //!
 //! | module | takes → makes |
@@ -28,7 +28,7 @@ mod corner;
 mod side;
 mod spine;
 
-use crate::edges::EdgeList;
+use crate::edges::Lines;
 use corner::{cap, Corner, InnerJoin};
 use kurbo::{Affine, BezPath, Cap, PathEl, Point, Stroke, Vec2};
 use side::{Folds, Side};
@@ -69,7 +69,7 @@ impl Pen {
         style: &Stroke,
         (transform, scale): (Affine, f64),
         tolerance: f64,
-        edges: &mut EdgeList,
+        edges: &mut impl Lines,
     ) {
         let nib = Nib { radius: 0.5 * style.width, scale, tolerance };
         if style.dash_pattern.is_empty() {
@@ -89,7 +89,7 @@ impl Pen {
         style: &Stroke,
         transform: Affine,
         nib: Nib,
-        edges: &mut EdgeList,
+        edges: &mut impl Lines,
     ) {
         let mut pen = Drawing { pen: self, style, transform, nib, edges };
         pen.start_at(Point::ZERO);
@@ -125,15 +125,15 @@ impl Pen {
 }
 
 /// An outline being drawn.
-struct Drawing<'a> {
+struct Drawing<'a, E> {
     pen: &'a mut Pen,
     style: &'a Stroke,
     transform: Affine,
     nib: Nib,
-    edges: &'a mut EdgeList,
+    edges: &'a mut E,
 }
 
-impl Drawing<'_> {
+impl<E: Lines> Drawing<'_, E> {
     fn start_at(&mut self, start: Point) {
         self.pen.spine.clear(start);
     }
@@ -352,6 +352,7 @@ fn quarter(v: Vec2) -> Vec2 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::edges::EdgeList;
     use crate::edges::{BAND_ROWS, ONE};
     use kurbo::Join;
 

@@ -7,7 +7,7 @@
 //! takes it from the set on its left.
 //!
 //! Where borders cross one another plainly, each such point takes the other fragment into the set or
-//! out of it, for all that follows along the border ([`crossings`]). Borders that touch, or share
+//! out of it, for all that follows along the border ([`super::crossings`]). Borders that touch, or share
 //! pieces, are cut until nothing meets but in end points, and the sides of each piece looked up anew;
 //! pieces that two fragments share are both crossed at once. With many cuts Catmull's recursion is
 //! cheaper.

@@ -218,11 +218,11 @@ impl GradientShape {
 /// A pattern function and a colour map.
 #[derive(Clone, Debug)]
 pub(crate) struct Gradient {
-    shape: GradientShape,
-    spread: Spread,
-    stops: Vec<Stop>,
+    pub shape: GradientShape,
+    pub spread: Spread,
+    pub stops: Vec<Stop>,
     /// From the gradient's plane to the scene's user units.
-    transform: Affine,
+    pub transform: Affine,
     opaque: bool,
 }
 
