@@ -287,6 +287,7 @@ fn render_job(mut arguments: Arguments) -> Result<Job, String> {
         background: picture.background.map(|color| color.0),
         threads: picture.threads.into(),
         stage_times: report.perf.is_some(),
+        ..Settings::default()
     };
     Ok(Job::Render(RenderJob {
         plan,
