@@ -44,6 +44,12 @@ impl Sheet {
         Sheet { color: [r, g, b], through }
     }
 
+    #[inline]
+    pub fn is_same(self, other: Sheet) -> bool {
+        let (a, b) = (self.channels(), other.channels());
+        (a[0] == b[0]) & (a[1] == b[1]) & (a[2] == b[2]) & (a[3] == b[3])
+    }
+
     /// This sheet at less opacity.
     pub fn faded(self, opacity: f32) -> Sheet {
         Sheet { color: self.color.map(|c| c * opacity), through: 1.0 - opacity * (1.0 - self.through) }
