@@ -235,8 +235,8 @@ fn bands<C: Coverage + 'static>((width, height): (u32, u32), coverage: C) -> Res
 /// With as many words as the samples need.
 fn sampled((width, height): (u32, u32), pattern: Pattern) -> Result<Painter, Error> {
     match pattern.count() {
-        ..=64 => bands((width, height), Sampled::<u64>::new(width, pattern)),
-        ..=256 => bands((width, height), Sampled::<Words<4>>::new(width, pattern)),
+        0..=64 => bands((width, height), Sampled::<u64>::new(width, pattern)),
+        65..=256 => bands((width, height), Sampled::<Words<4>>::new(width, pattern)),
         _ => bands((width, height), Sampled::<Words<16>>::new(width, pattern)),
     }
 }

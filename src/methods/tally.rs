@@ -139,7 +139,7 @@ mod tests {
                     windings.add(set, sign);
                 }
                 for (i, sum) in sums.iter_mut().enumerate() {
-                    *sum += i32::from(set >> i & 1) as i32 * sign * (1 + i32::from(twice));
+                    *sum += i32::from(set >> i & 1) * sign * (1 + i32::from(twice));
                 }
                 for (i, &sum) in sums.iter().enumerate() {
                     let inside = |rule| windings.inside(rule) >> i & 1 != 0;
