@@ -110,18 +110,20 @@ const fn factors<const COUNT: usize, const N: usize>(columns: &[u8; COUNT]) -> [
 }
 
 /// Works out 16 samples. In single precision, which is exact for whole numbers up to 2^24 (these stay
-/// below 2^22), since all machines multiply vectors of that.
+/// below 2^23), since all machines multiply vectors of that.
 #[inline(always)]
 fn right_of_16(factors: &Factors, (dx, dy, least): (i32, i32, i32)) -> u16 {
     let (dx, dy, least) = (dx as f32, dy as f32, least as f32);
-    let mut is_right = [0; 16];
-    for (i, is_right) in is_right.iter_mut().enumerate() {
-        *is_right = u8::from(factors.columns[i] * dy - factors.rows[i] * dx >= least);
+    // Four at a time: each lane gathers bits of its own, which are joined at the end.
+    let mut lanes = [0u32; 4];
+    for first in [0, 4, 8, 12] {
+        for (lane, bits) in lanes.iter_mut().enumerate() {
+            let i = first + lane;
+            let is_right = factors.columns[i] * dy >= factors.rows[i] * dx + least;
+            *bits |= if is_right { 1 << i } else { 0 };
+        }
     }
-    // Eight bytes of 0 or 1 to eight bits: the product shifts each to its place in the highest byte.
-    let bits = |bytes: &[u8; 8]| u64::from_le_bytes(*bytes).wrapping_mul(0x0102_0408_1020_4080) >> 56;
-    let (halves, _) = is_right.as_chunks::<8>();
-    (bits(&halves[0]) | bits(&halves[1]) << 8) as u16
+    (lanes[0] | lanes[1] | lanes[2] | lanes[3]) as u16
 }
 
 impl Lattice for u16 {
