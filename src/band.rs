@@ -15,7 +15,7 @@ use crate::methods::BandPainter;
 use crate::outlines::{BandLists, Outlines, PlacedOutline};
 use crate::pixel::resolve::Surroundings;
 use crate::polygons::Flattener;
-use crate::scene::paint::Paint;
+use crate::scene::paint::{Paint, Sheet};
 use crate::scene::{ClipId, GroupId, Scene};
 use crate::zlist::Entry;
 use kurbo::Affine;
@@ -233,9 +233,14 @@ impl<C: Coverage> BandRenderer<C> {
                     }
                 });
                 for_runs(uniform, |from, to| {
+                    // Neighbours are often the same.
+                    let (mut last, mut bytes) = (Sheet::CLEAR, background);
                     for (i, pixel) in pixels[from..to].iter_mut().enumerate() {
                         let sheet = cel.sheet(row, word * 64 + from + i);
-                        *pixel = sheet.over(around.background).to_rgba8();
+                        if !sheet.is_same(last) {
+                            (last, bytes) = (sheet, sheet.over(around.background).to_rgba8());
+                        }
+                        *pixel = bytes;
                     }
                 });
                 for_runs(listed, |from, to| {

@@ -69,7 +69,7 @@ impl Bitmap {
 }
 
 /// The words that hold columns [from, to), each with the mask of those columns.
-#[inline]
+#[inline(always)]
 pub(crate) fn word_masks(from: usize, to: usize) -> impl Iterator<Item = (usize, u64)> {
     (from / 64..to.div_ceil(64)).map(move |word| {
         let low = from.saturating_sub(word * 64);
@@ -79,7 +79,7 @@ pub(crate) fn word_masks(from: usize, to: usize) -> impl Iterator<Item = (usize,
 }
 
 /// Calls `take` with each run [from, to) of set bits in one word; columns count from the word's first.
-#[inline]
+#[inline(always)]
 pub(crate) fn for_runs(mut bits: u64, mut take: impl FnMut(usize, usize)) {
     while bits != 0 {
         let from = bits.trailing_zeros();

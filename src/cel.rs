@@ -231,7 +231,7 @@ impl Cel {
         self.append(pixel, Entry { next: NO_ENTRY, part, kind: brush.kind() }, entries);
     }
 
-    #[inline]
+    #[inline(always)]
     fn start_list(&mut self, row: usize, x: usize) {
         let pixel = row * self.width + x;
         if !self.touched.get(row, x) {
@@ -242,7 +242,7 @@ impl Cel {
         self.lists[pixel] = (NO_ENTRY, NO_ENTRY);
     }
 
-    #[inline]
+    #[inline(always)]
     fn append<P: Part>(&mut self, pixel: usize, entry: Entry<P>, entries: &mut Vec<Entry<P>>) {
         let at = entries.len() as u32;
         entries.push(entry);

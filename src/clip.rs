@@ -90,7 +90,7 @@ pub(crate) enum Clipped<P> {
 }
 
 /// Clips a span of a row, and gives `take` what is left of it.
-#[inline]
+#[inline(always)]
 pub(crate) fn clipped<A: Parts>(
     row: usize,
     span: Span<A::Fragment>,

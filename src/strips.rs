@@ -115,7 +115,7 @@ impl<C: Clone + Default, L: Default> Buckets<C, L> {
 
 impl Buckets {
     /// Files the pieces of `edge`. Pixels that are `finished` get none.
-    #[inline]
+    #[inline(always)]
     pub fn add(&mut self, edge: &Edge, place: BandPlace, finished: &Bitmap, pieces: &mut Vec<Piece>) {
         let width = self.width;
         clip_edge(edge, place, width, &mut Filer { buckets: self, finished, pieces });
@@ -134,7 +134,7 @@ pub(crate) trait Bins {
 
 /// Clips `edge` to the strips of a band, and there to the pixels of a picture that is `width` wide. Rows
 /// below the picture's end get nothing.
-#[inline]
+#[inline(always)]
 pub(crate) fn clip_edge<B: Bins>(edge: &Edge, place: BandPlace, width: usize, bins: &mut B) {
     let top = (place.top as i32) << FRACTION_BITS;
     let row = (edge.y0 - top) >> FRACTION_BITS;

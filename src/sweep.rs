@@ -9,24 +9,24 @@ use crate::strips::{Buckets, Cell, Piece, NO_PIECE};
 pub(crate) trait FindCover {
     type Fragment;
 
-    /// The cover of the pixel at column and row `at` of the picture, which holds pieces. `cover_left` is
-    /// winding times height of all that lies left of it, in 1/ONE.
+    /// The cover of the pixel at column `x` of the row at hand, which holds pieces. `cover_left` is winding
+    /// times height of all that lies left of it, in 1/ONE.
     fn find_cover(
         &mut self,
         cell: Cell,
         cover_left: i32,
-        at: (usize, u32),
+        x: usize,
         style: Style,
         pieces: &mut Vec<Piece>,
     ) -> Cover<Self::Fragment>;
 }
 
-/// Sweeps one row of a shape, `row` in the band and `y` in the picture, that lies within columns
-/// [from, to) and what winds round them, and empties its buckets.
+/// Sweeps one row of a shape that lies within columns [from, to) and what winds round them, and empties
+/// its buckets.
 #[inline]
 pub(crate) fn row<F: FindCover>(
     buckets: &mut Buckets,
-    (row, y, columns): (usize, u32, (usize, usize)),
+    (row, columns): (usize, (usize, usize)),
     style: Style,
     finder: &mut F,
     pieces: &mut Vec<Piece>,
@@ -41,7 +41,7 @@ pub(crate) fn row<F: FindCover>(
     let mut from = 0;
     buckets.drain_row(row, columns, |x, cell| {
         if cell.pieces != NO_PIECE {
-            let here = finder.find_cover(cell, cover_left, (x, y), style, pieces);
+            let here = finder.find_cover(cell, cover_left, x, style, pieces);
             let is_full = matches!(here, Cover::Full);
             if inside && !is_full && from < x {
                 take(Span::Solid(from, x));

@@ -50,8 +50,10 @@ pub fn line(row: &Row) -> String {
     line
 }
 
+type Ratio = fn(&Row) -> f64;
+
 /// The ratios of medians, in the order of their columns.
-const RATIOS: [(&str, fn(&Row) -> f64); 6] = [
+const RATIOS: [(&str, Ratio); 6] = [
     ("exact/tiny-skia", Row::exact_to_tiny_skia),
     ("exact/vello", Row::exact_to_vello),
     ("mask/exact", Row::mask_to_exact),
@@ -72,9 +74,8 @@ pub fn means(rows: &[Row]) -> String {
         }
         seen.push(key);
         let group: Vec<&Row> = rows.iter().filter(|r| (longest(r), r.threads) == key).collect();
-        let mean = |ratio: fn(&Row) -> f64| {
-            (group.iter().map(|r| ratio(r).ln()).sum::<f64>() / group.len() as f64).exp()
-        };
+        let mean =
+            |ratio: Ratio| (group.iter().map(|r| ratio(r).ln()).sum::<f64>() / group.len() as f64).exp();
         let ratios = RATIOS.map(|(name, ratio)| format!("{name} {:.3}", mean(ratio))).join(", ");
         writeln!(text, "  {} px, {} thread(s), {} scene(s): {ratios}", key.0, key.1, group.len())
             .expect("a string takes all");

@@ -50,7 +50,7 @@ impl Parts for Nodes {
     type Fragment = Fragment;
     type Part = u32;
 
-    #[inline]
+    #[inline(always)]
     fn keep(&mut self, fragment: Fragment) -> u32 {
         self.push(Node::Leaf(fragment))
     }
@@ -77,25 +77,22 @@ impl Coverage for Exact {
         &mut self.nodes
     }
 
-    #[inline]
+    #[inline(always)]
     fn add(&mut self, edge: &Edge, place: BandPlace, _: Style, finished: &Bitmap) {
         self.buckets.add(edge, place, finished, &mut self.pieces);
     }
 
-    #[inline]
+    #[inline(always)]
     fn row(
         &mut self,
         row: usize,
         columns: (usize, usize),
-        place: BandPlace,
+        _: BandPlace,
         style: Style,
         mut take: impl FnMut(Span<Fragment>, &mut Nodes),
     ) {
-        let nodes = &mut self.nodes;
-        let at = (row, place.top + row as u32, columns);
-        sweep::row(&mut self.buckets, at, style, &mut self.coverer, &mut self.pieces, |span| {
-            take(span, nodes);
-        });
+        let Exact { buckets, pieces, coverer, nodes, .. } = self;
+        sweep::row(buckets, (row, columns), style, coverer, pieces, |span| take(span, nodes));
     }
 
     #[inline]

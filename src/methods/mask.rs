@@ -79,7 +79,7 @@ impl<B: Lattice> Coverage for Masks<B> {
         &mut self.parts
     }
 
-    #[inline]
+    #[inline(always)]
     fn add(&mut self, edge: &Edge, place: BandPlace, style: Style, finished: &Bitmap) {
         let width = self.buckets.width();
         let (buckets, carries) = (&mut self.buckets, &mut self.carries);
@@ -89,7 +89,7 @@ impl<B: Lattice> Coverage for Masks<B> {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn row(
         &mut self,
         row: usize,

@@ -239,10 +239,10 @@ pub(crate) fn painter(method: Method, width: u32, height: u32) -> Result<Painter
         Method::Mask => bands(size, Masks::<u16>::new(width)),
         Method::Mask64 => bands(size, Masks::<u64>::new(width)),
         Method::None => bands(size, Masks::<u16>::at(width, CENTRE)),
-        Method::Grid(side) => sampled(size, Pattern::Grid(side)),
-        Method::Random(count) => sampled(size, Pattern::Random(count)),
-        Method::Jitter(count) => sampled(size, Pattern::Jitter(count)),
-        Method::Poisson(count) => sampled(size, Pattern::Poisson(PoissonTile::new(count))),
+        Method::Grid(side) => supersampled(size, Pattern::Grid(side)),
+        Method::Random(count) => supersampled(size, Pattern::Random(count)),
+        Method::Jitter(count) => supersampled(size, Pattern::Jitter(count)),
+        Method::Poisson(count) => supersampled(size, Pattern::Poisson(PoissonTile::new(count))),
         Method::Accumulate(count) => Ok(Painter::Bands(Box::new(Accumulate::new(width, height, count)))),
         Method::Adaptive(most) => Ok(Painter::Bands(Box::new(adaptive::Adaptive::new(most, width, height)))),
         Method::Corner => Ok(Painter::Bands(Box::new(corner::Corner::new(width, height)))),
@@ -259,9 +259,9 @@ fn bands<C: Coverage + 'static>((width, height): (u32, u32), coverage: C) -> Res
 }
 
 /// With as many words as the samples need.
-fn sampled((width, height): (u32, u32), pattern: Pattern) -> Result<Painter, Error> {
+fn supersampled((width, height): (u32, u32), pattern: Pattern) -> Result<Painter, Error> {
     match pattern.count() {
-        ..=64 => bands((width, height), Sampled::<u64>::new(width, pattern)),
+        0..=64 => bands((width, height), Sampled::<u64>::new(width, pattern)),
         65..=256 => bands((width, height), Sampled::<Words<4>>::new(width, pattern)),
         _ => bands((width, height), Sampled::<Words<16>>::new(width, pattern)),
     }

@@ -33,6 +33,7 @@ impl<B: Bits> Sampled<B> {
             pieces: Vec::new(),
             finder: Finder {
                 pattern,
+                y: 0,
                 points: Vec::new(),
                 windings: Windings::default(),
                 set: PieceSet::default(),
@@ -66,11 +67,9 @@ impl<B: Bits> Coverage for Sampled<B> {
         style: Style,
         mut take: impl FnMut(Span<B>, &mut Sets<B>),
     ) {
-        let parts = &mut self.parts;
-        let at = (row, place.top + row as u32, columns);
-        sweep::row(&mut self.buckets, at, style, &mut self.finder, &mut self.pieces, |span| {
-            take(span, parts);
-        });
+        let Sampled { buckets, pieces, finder, parts } = self;
+        finder.y = place.top + row as u32;
+        sweep::row(buckets, (row, columns), style, finder, pieces, |span| take(span, parts));
     }
 
     fn resolve(
@@ -89,6 +88,8 @@ impl<B: Bits> Coverage for Sampled<B> {
 /// Asks at the points of a pattern.
 struct Finder<B> {
     pattern: Pattern,
+    /// The picture's row at hand.
+    y: u32,
     points: Vec<(i32, i32)>,
     windings: Windings<B>,
     set: PieceSet,
@@ -101,7 +102,7 @@ impl<B: Bits> FindCover for Finder<B> {
         &mut self,
         cell: Cell,
         cover_left: i32,
-        (x, y): (usize, u32),
+        x: usize,
         style: Style,
         pieces: &mut Vec<Piece>,
     ) -> Cover<B> {
@@ -113,7 +114,7 @@ impl<B: Bits> FindCover for Finder<B> {
                 B::NONE
             }
         } else {
-            self.pattern.points((x as u32, y), &mut self.points);
+            self.pattern.points((x as u32, self.y), &mut self.points);
             self.inside(cell.pieces, cover_left, style.rule, pieces)
         };
         match inside {

@@ -72,7 +72,7 @@ impl FindCover for Coverer {
         &mut self,
         cell: Cell,
         cover_left: i32,
-        _: (usize, u32),
+        _: usize,
         style: Style,
         pieces: &mut Vec<Piece>,
     ) -> Cover {

@@ -46,7 +46,7 @@ fn lines<'a>(
     tolerance: f64,
 ) -> impl Iterator<Item = Polyline> + 'a {
     // Where a dash ends, its direction comes from the chords about it.
-    let finer = if style.dash_pattern.is_empty() { 0.25 } else { 0.02 };
+    let finer = if style.dash_pattern.is_empty() { 1.0 } else { 0.05 };
     Polyline::all(path, finer * tolerance).into_iter().flat_map(|line| {
         if style.dash_pattern.is_empty() {
             vec![line]

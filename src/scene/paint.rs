@@ -48,6 +48,12 @@ impl Sheet {
         Sheet { channels: std::array::from_fn(|i| KEPT[i] * self.channels[i] + through * behind.channels[i]) }
     }
 
+    #[inline]
+    pub fn is_same(self, other: Sheet) -> bool {
+        let (a, b) = (self.channels(), other.channels());
+        (a[0] == b[0]) & (a[1] == b[1]) & (a[2] == b[2]) & (a[3] == b[3])
+    }
+
     /// This sheet at less opacity.
     pub fn faded(self, opacity: f32) -> Sheet {
         let [r, g, b, through] = self.channels;
