@@ -12,7 +12,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 use toon_raster::compare::cache::Cache;
 use toon_raster::compare::Options;
-use toon_raster::{Method, Settings};
+use toon_raster::Method;
 
 #[derive(clap::Args, Debug)]
 #[command(
@@ -97,9 +97,9 @@ struct PictureOptions {
     /// CSS colour behind the drawing
     #[arg(short, long, value_name = "COLOR", value_parser = values::color)]
     background: Option<Color>,
-    /// Farthest a flattened curve may lie from the true one, in output pixels
-    #[arg(long, value_name = "F", default_value_t = Settings::DEFAULT_TOLERANCE, value_parser = values::tolerance)]
-    tolerance: f64,
+    /// Farthest a flattened curve may lie from the true one, in output pixels; by default what suits the method
+    #[arg(long, value_name = "F", value_parser = values::tolerance)]
+    tolerance: Option<f64>,
     /// Mix edges in linear light, in the reference too
     #[arg(long)]
     linear: bool,

@@ -73,8 +73,8 @@ pub struct Options {
     pub budget: Duration,
     /// Threads of each method; 0 is one a core.
     pub threads: usize,
-    /// As [`Settings::tolerance`].
-    pub tolerance: f64,
+    /// As [`Settings::tolerance`]; `None` for what suits each method ([`Method::tolerance`]).
+    pub tolerance: Option<f64>,
     /// As [`Settings::linear`].
     pub linear: bool,
     /// As [`Settings::background`].
@@ -97,7 +97,7 @@ impl Default for Options {
             runs: 7,
             budget: Duration::from_secs(5),
             threads: 0,
-            tolerance: Settings::DEFAULT_TOLERANCE,
+            tolerance: None,
             linear: false,
             background: None,
             pan: None,
@@ -111,8 +111,9 @@ impl Default for Options {
 impl Options {
     /// How a method renders.
     fn settings(&self, method: Method) -> Settings {
-        let Options { tolerance, linear, background, threads, .. } = *self;
-        Settings { method, tolerance, linear, background, threads, stage_times: false, ..Settings::default() }
+        let Options { linear, background, threads, .. } = *self;
+        let tolerance = self.tolerance.unwrap_or(method.tolerance());
+        Settings { tolerance, linear, background, threads, ..Settings::of(method) }
     }
 
     /// How the truth is made.
