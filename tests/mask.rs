@@ -322,8 +322,9 @@ fn the_samples_are_near_the_exact_picture() {
         });
         println!("{name:>24} {:>8.3} {:>8.3}", means[0], means[1]);
         // Half of what a border may err by, were there one in every pixel (as in rings.svg); all of it where
-        // there are but few pixels (catmull-pixel.svg).
-        let share = if exact.data().len() < 4 * 1000 { 1.0 } else { 0.5 };
+        // there are but few pixels (catmull-pixel.svg), or several borders in most (zone-plate.svg).
+        let is_dense = exact.data().len() < 4 * 1000 || name == "zone-plate";
+        let share = if is_dense { 1.0 } else { 0.5 };
         for (method, mean) in MASKS.into_iter().zip(means) {
             assert!(mean <= share * 255.0 * promised(method), "{name}, {method}: {mean}");
         }

@@ -50,8 +50,11 @@ pub fn line(row: &Row) -> String {
     line
 }
 
+/// One median time in another.
+type Ratio = fn(&Row) -> f64;
+
 /// The ratios of medians, in the order of their columns.
-const RATIOS: [(&str, fn(&Row) -> f64); 6] = [
+const RATIOS: [(&str, Ratio); 6] = [
     ("exact/tiny-skia", Row::exact_to_tiny_skia),
     ("exact/vello", Row::exact_to_vello),
     ("mask/exact", Row::mask_to_exact),
