@@ -50,6 +50,7 @@ pub fn line(row: &Row) -> String {
     line
 }
 
+/// One median time in another.
 type Ratio = fn(&Row) -> f64;
 
 /// The ratios of medians, in the order of their columns.

@@ -1,5 +1,5 @@
-//! Takes a path and a pen, makes the outline of the line that it draws, as polygons for an [`EdgeList`](crate::edges::EdgeList)
-//! to be filled non-zero.
+//! Takes a path and a pen, makes the outline of the line that it draws, as polygons for whatever takes
+//! [`Lines`], to be filled non-zero.
 //!
 //! | module | takes → makes |
 //! |---|---|
