@@ -86,6 +86,9 @@ pub mod reference;
 
 mod bitmap;
 
+#[allow(dead_code)] // The renderer does not call it yet.
+pub(crate) mod effects;
+
 pub use error::Error;
 pub use methods::Method;
 pub use pixmap::Pixmap;
