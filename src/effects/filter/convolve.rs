@@ -1,0 +1,91 @@
+//! Takes a layer and a kernel, makes the convolved layer (feConvolveMatrix).
+
+use crate::effects::layer::{premultiplied, straight, unit, Layer, Pixel, CLEAR};
+use crate::Error;
+use usvg::filter::{ConvolveMatrix, EdgeMode};
+
+/// Most products of a kernel value and a pixel: some seconds' work.
+const MOST_PRODUCTS: u64 = 1 << 32;
+
+/// # Errors
+/// [`Error::Limit`] when the kernel is too large for a layer of this size.
+pub(super) fn apply(layer: Layer, fe: &ConvolveMatrix) -> Result<Layer, Error> {
+    let taps = taps(fe);
+    if taps.len() as u64 * layer.rect().area() > MOST_PRODUCTS {
+        return Err(Error::Limit(format!(
+            "feConvolveMatrix: a kernel of {} x {} over {} x {} pixels is too much work (make either smaller)",
+            fe.matrix().columns(),
+            fe.matrix().rows(),
+            layer.rect().width(),
+            layer.rect().height()
+        )));
+    }
+    let rect = layer.rect();
+    let (width, height) = (rect.width(), rect.height());
+    // With preserveAlpha the kernel sees straight colour.
+    let seen: Vec<Pixel> = if fe.preserve_alpha() {
+        layer.pixels().iter().map(|&p| straight(p)).collect()
+    } else {
+        layer.pixels().to_vec()
+    };
+    let (scale, bias) = (1.0 / fe.divisor().get(), fe.bias());
+    let mut made = Layer::clear(rect, layer.space());
+    for (i, to) in made.pixels_mut().iter_mut().enumerate() {
+        let (x, y) = ((i % width) as i64, (i / width) as i64);
+        let mut sum = CLEAR;
+        for tap in &taps {
+            let column = folded(x + tap.dx, width, fe.edge_mode());
+            let row = folded(y + tap.dy, height, fe.edge_mode());
+            if let (Some(column), Some(row)) = (column, row) {
+                let pixel = &seen[row * width + column];
+                for c in 0..4 {
+                    sum[c] += tap.weight * pixel[c];
+                }
+            }
+        }
+        *to = if fe.preserve_alpha() {
+            let alpha = seen[i][3];
+            let color = |c: usize| sum[c] * scale + bias * alpha;
+            premultiplied([color(0), color(1), color(2), alpha])
+        } else {
+            let alpha = sum[3] * scale + bias;
+            let bounded = unit(alpha);
+            // `max` before `min`: NaN becomes 0.
+            let color = |c: usize| (sum[c] * scale + bias * alpha).max(0.0).min(bounded);
+            [color(0), color(1), color(2), bounded]
+        };
+    }
+    Ok(made)
+}
+
+/// A kernel value and the pixel it looks at, relative to the one that is made.
+struct Tap {
+    dx: i64,
+    dy: i64,
+    weight: f32,
+}
+
+/// The kernel turned half around, as convolution has it, without its zeros.
+fn taps(fe: &ConvolveMatrix) -> Vec<Tap> {
+    let matrix = fe.matrix();
+    let (columns, rows) = (matrix.columns() as usize, matrix.rows() as usize);
+    let tap = |(i, &weight): (usize, &f32)| Tap {
+        dx: (columns - 1 - i % columns) as i64 - i64::from(matrix.target_x()),
+        dy: (rows - 1 - i / columns) as i64 - i64::from(matrix.target_y()),
+        weight,
+    };
+    matrix.data().iter().enumerate().filter(|(_, &weight)| weight != 0.0).map(tap).collect()
+}
+
+/// Where beyond the layer's edge is looked instead.
+#[inline]
+fn folded(at: i64, length: usize, edges: EdgeMode) -> Option<usize> {
+    if (0..length as i64).contains(&at) {
+        return Some(at as usize);
+    }
+    match edges {
+        EdgeMode::None => None,
+        EdgeMode::Duplicate => Some(at.clamp(0, length as i64 - 1) as usize),
+        EdgeMode::Wrap => Some(at.rem_euclid(length as i64) as usize),
+    }
+}

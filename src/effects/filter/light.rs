@@ -1,0 +1,256 @@
+//! Takes a layer's alpha as a height map and a light source, makes the lit layer: feDiffuseLighting
+//! and feSpecularLighting (SVG 1.1, 15.14 and 15.22). The eye looks straight down; heights and
+//! distances are pixels, the layer's border has normals of its own.
+
+use crate::effects::highlights::{Highlights, Phong};
+use crate::effects::layer::{pixel_of, unit, IntRect, Layer, Pixel, Space};
+use kurbo::{Affine, Point};
+use usvg::filter::{DiffuseLighting, LightSource, SpecularLighting};
+
+/// A vector: right, down, towards the eye.
+pub(in crate::effects) type Vector = [f32; 3];
+
+#[inline]
+pub(in crate::effects) fn dot(a: Vector, b: Vector) -> f32 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// Of length 1; a vector without length stays as it is.
+#[inline]
+pub(in crate::effects) fn normalized(v: Vector) -> Vector {
+    let length = dot(v, v).sqrt();
+    if length > 0.0 {
+        v.map(|c| c / length)
+    } else {
+        v
+    }
+}
+
+/// feDiffuseLighting: opaque.
+pub(super) fn diffuse(heights: &Layer, fe: &DiffuseLighting, space: Space, to_pixels: Affine) -> Layer {
+    let light = Light::new(fe.light_source(), to_pixels);
+    let surface = Surface::new(heights, fe.surface_scale());
+    let color = pixel_of(fe.lighting_color(), 1.0, space);
+    lit(&surface, &light, space, |column, row, to_light, lightness| {
+        let facing = dot(surface.normal(column, row), to_light);
+        let strength = fe.diffuse_constant() * facing * lightness;
+        let [r, g, b] = [color[0], color[1], color[2]].map(|c| unit(c * strength));
+        [r, g, b, 1.0]
+    })
+}
+
+/// feSpecularLighting: as opaque as it is bright.
+pub(super) fn specular(
+    heights: &Layer,
+    fe: &SpecularLighting,
+    space: Space,
+    to_pixels: Affine,
+    highlights: Highlights,
+) -> Layer {
+    let light = Light::new(fe.light_source(), to_pixels);
+    let surface = Surface::new(heights, fe.surface_scale());
+    let color = pixel_of(fe.lighting_color(), 1.0, space);
+    let phong = Phong::new(fe.specular_exponent(), highlights);
+    lit(&surface, &light, space, |column, row, to_light, lightness| {
+        let halfway = normalized([to_light[0], to_light[1], to_light[2] + 1.0]);
+        let shine = phong.at(&surface, column, row, halfway);
+        let strength = fe.specular_constant() * shine * lightness;
+        let [r, g, b] = [color[0], color[1], color[2]].map(|c| unit(c * strength));
+        [r, g, b, r.max(g).max(b)]
+    })
+}
+
+/// Calls `shade` on every pixel: column, row, the direction towards the light, and how much of the
+/// light's colour comes from there.
+fn lit(
+    surface: &Surface,
+    light: &Light,
+    space: Space,
+    shade: impl Fn(usize, usize, Vector, f32) -> Pixel,
+) -> Layer {
+    let rect = surface.rect;
+    let mut layer = Layer::clear(rect, space);
+    // Without a pixel that has neighbours on all sides there is no surface to speak of.
+    if rect.width() < 3 || rect.height() < 3 {
+        return layer;
+    }
+    for (row, pixels) in layer.pixels_mut().chunks_exact_mut(rect.width()).enumerate() {
+        for (column, pixel) in pixels.iter_mut().enumerate() {
+            let (x, y) = (rect.x() as f32 + column as f32, rect.y() as f32 + row as f32);
+            let to_light = light.direction([x, y, surface.height(column, row)]);
+            *pixel = shade(column, row, to_light, light.strength(to_light));
+        }
+    }
+    layer
+}
+
+/// A height map and its slopes.
+pub(in crate::effects) struct Surface {
+    rect: IntRect,
+    heights: Vec<f32>,
+    /// How much the normal leans right and down, for one unit towards the eye.
+    leans: Vec<[f32; 2]>,
+}
+
+impl Surface {
+    fn new(layer: &Layer, scale: f32) -> Surface {
+        let heights: Vec<f32> = layer.pixels().iter().map(|p| p[3] * scale).collect();
+        let (width, height) = (layer.rect().width(), layer.rect().height());
+        let leans = (0..heights.len())
+            .map(|i| {
+                let (column, row) = (i % width, i / width);
+                let (left, right) = (column.saturating_sub(1), (column + 1).min(width - 1));
+                let (top, bottom) = (row.saturating_sub(1), (row + 1).min(height - 1));
+                let at = |column: usize, row: usize| heights[row * width + column];
+                // Sobel's weights; a row or column beyond the border has none.
+                let weights = |before: bool, after: bool| {
+                    [f32::from(u8::from(before)), 2.0, f32::from(u8::from(after))]
+                };
+                let (across, down) =
+                    (weights(left < column, right > column), weights(top < row, bottom > row));
+                let dx = |y: usize| at(right, y) - at(left, y);
+                let dy = |x: usize| at(x, bottom) - at(x, top);
+                let slope_x = down[0] * dx(top) + down[1] * dx(row) + down[2] * dx(bottom);
+                let slope_y = across[0] * dy(left) + across[1] * dy(column) + across[2] * dy(right);
+                // Twice the mean slope: the specification's factors 1/4, 1/3, 1/2 and 2/3.
+                let factor =
+                    |weights: [f32; 3], span: usize| 2.0 / (weights.iter().sum::<f32>() * span.max(1) as f32);
+                [-factor(down, right - left) * slope_x, -factor(across, bottom - top) * slope_y]
+            })
+            .collect();
+        Surface { rect: layer.rect(), heights, leans }
+    }
+
+    /// A surface of given leans, row by row.
+    #[cfg(test)]
+    pub fn leaning(width: usize, leans: Vec<[f32; 2]>) -> Surface {
+        let rect = IntRect::new(0, 0, width as u32, (leans.len() / width) as u32);
+        Surface { rect, heights: vec![0.0; leans.len()], leans }
+    }
+
+    pub fn width(&self) -> usize {
+        self.rect.width()
+    }
+
+    pub fn rows(&self) -> usize {
+        self.rect.height()
+    }
+
+    fn height(&self, column: usize, row: usize) -> f32 {
+        self.heights[row * self.rect.width() + column]
+    }
+
+    #[inline]
+    pub fn lean(&self, column: usize, row: usize) -> [f32; 2] {
+        self.leans[row * self.rect.width() + column]
+    }
+
+    #[inline]
+    pub fn normal(&self, column: usize, row: usize) -> Vector {
+        let [x, y] = self.lean(column, row);
+        normalized([x, y, 1.0])
+    }
+}
+
+/// A light source in pixels.
+enum Light {
+    /// The same direction everywhere.
+    Distant(Vector),
+    Point(Vector),
+    Spot {
+        at: Vector,
+        direction: Vector,
+        exponent: f32,
+        least_cosine: f32,
+    },
+}
+
+impl Light {
+    fn new(source: LightSource, to_pixels: Affine) -> Light {
+        let [a, b, c, d, ..] = to_pixels.as_coeffs();
+        // A length without direction is scaled by the root of the mean square of the two scales.
+        let scale = ((a * a + b * b + c * c + d * d) / 2.0).sqrt();
+        let place = |x: f32, y: f32, z: f32| -> Vector {
+            let p = to_pixels * Point::new(x.into(), y.into());
+            [p.x as f32, p.y as f32, (f64::from(z) * scale) as f32]
+        };
+        match source {
+            LightSource::DistantLight(light) => {
+                let (azimuth, elevation) = (light.azimuth.to_radians(), light.elevation.to_radians());
+                let level = libm::cosf(elevation);
+                Light::Distant([
+                    libm::cosf(azimuth) * level,
+                    libm::sinf(azimuth) * level,
+                    libm::sinf(elevation),
+                ])
+            }
+            LightSource::PointLight(light) => Light::Point(place(light.x, light.y, light.z)),
+            LightSource::SpotLight(light) => {
+                let at = place(light.x, light.y, light.z);
+                let to = place(light.points_at_x, light.points_at_y, light.points_at_z);
+                let cone = |degrees: f32| libm::cosf(degrees.to_radians());
+                Light::Spot {
+                    at,
+                    direction: normalized(std::array::from_fn(|i| to[i] - at[i])),
+                    exponent: light.specular_exponent.get(),
+                    least_cosine: light.limiting_cone_angle.map_or(0.0, cone),
+                }
+            }
+        }
+    }
+
+    /// From a place on the surface towards the light, of length 1.
+    fn direction(&self, from: Vector) -> Vector {
+        match self {
+            Light::Distant(direction) => *direction,
+            Light::Point(at) | Light::Spot { at, .. } => normalized(std::array::from_fn(|i| at[i] - from[i])),
+        }
+    }
+
+    /// The share of its colour that goes the opposite way.
+    fn strength(&self, to_light: Vector) -> f32 {
+        let Light::Spot { direction, exponent, least_cosine, .. } = self else {
+            return 1.0;
+        };
+        let cosine = -dot(to_light, *direction);
+        if cosine > 0.0 && cosine >= *least_cosine {
+            libm::powf(cosine, *exponent)
+        } else {
+            0.0
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn slope() -> Layer {
+        let mut layer = Layer::clear(IntRect::new(0, 0, 5, 5), Space::Srgb);
+        for (i, pixel) in layer.pixels_mut().iter_mut().enumerate() {
+            pixel[3] = (i % 5) as f32 * 0.1;
+        }
+        layer
+    }
+
+    #[test]
+    fn a_plane_has_one_normal_up_to_its_borders() {
+        let surface = Surface::new(&slope(), 1.0);
+        for row in 0..5 {
+            for column in 0..5 {
+                let [x, y] = surface.lean(column, row);
+                assert!((x + 0.2).abs() < 1e-6 && y.abs() < 1e-6, "{column}, {row}: {x} {y}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_flat_surface_is_as_bright_as_the_light_stands_high() {
+        let surface = Surface::new(&Layer::clear(IntRect::new(0, 0, 3, 3), Space::Srgb), 1.0);
+        let light = Light::Distant([0.6, 0.0, 0.8]);
+        let lit = lit(&surface, &light, Space::Srgb, |column, row, to_light, strength| {
+            [dot(surface.normal(column, row), to_light) * strength, 0.0, 0.0, 1.0]
+        });
+        assert!(lit.pixels().iter().all(|p| (p[0] - 0.8).abs() < 1e-6));
+    }
+}

@@ -1,0 +1,361 @@
+//! Takes a layer and usvg's filters, makes the filtered layer: runs each primitive on the results of
+//! others, in the space it asks for, and cuts it to its subregion (SVG 1.1, 15; Filter Effects 1).
+//!
+//! | module | primitives |
+//! |---|---|
+//! | [`region`] | over which pixels filters have to be run |
+//! | `blur` | feGaussianBlur, and feDropShadow's |
+//! | `color` | feColorMatrix, feComponentTransfer |
+//! | `combine` | feBlend, feComposite, feMerge |
+//! | `convolve` | feConvolveMatrix |
+//! | `displace` | feDisplacementMap, feTile |
+//! | `light` | feDiffuseLighting, feSpecularLighting |
+//! | `morphology` | feMorphology |
+//! | `turbulence` | feTurbulence |
+//! | `lines` | rows and columns for what works along one axis |
+//!
+//! To run a group's filters: [`Canvas::new`] of its transform; [`regions`] for the canvas's part that
+//! the picture shows; draw the group's content under `to_canvas` over the first region;
+//! [`apply`]; [`Canvas::shown`].
+
+mod blur;
+mod color;
+mod combine;
+mod convolve;
+mod displace;
+pub(super) mod light;
+mod lines;
+mod morphology;
+pub(crate) mod region;
+mod turbulence;
+
+#[cfg(test)]
+mod tests;
+
+pub(crate) use region::{regions, Canvas};
+
+use crate::effects::highlights::Highlights;
+use crate::effects::layer::{pixel_of, IntRect, Layer, Pixel, Space};
+use crate::Error;
+use kurbo::{Affine, Rect};
+use region::{pixels_of, scales, LAST_BITS};
+use std::rc::Rc;
+use std::sync::Arc;
+use usvg::filter::{DropShadow, Filter, Image, Input, Kind, Primitive};
+
+/// Draws what an feImage refers to: the group, the transform from its coordinates to pixels, and the
+/// pixels to draw over.
+pub(crate) type DrawContent<'a> = dyn FnMut(&usvg::Group, Affine, IntRect) -> Result<Layer, Error> + 'a;
+
+/// What filters of one group have in common.
+pub(crate) struct Job<'a> {
+    /// From the group's user units to the canvas ([`Canvas::to_canvas`]).
+    pub to_canvas: Affine,
+    pub highlights: Highlights,
+    pub draw: &'a mut DrawContent<'a>,
+}
+
+/// Pixels of all results that are held at once: 2 GB.
+const MOST_PIXELS_HELD: u64 = 1 << 27;
+
+/// Runs a chain of filters, each over the region that [`regions`] gave it. The result is sRGB-encoded
+/// and lies over the last region.
+///
+/// # Errors
+/// [`Error::Limit`] when a filter would hold or compute too much; and what `draw` returns.
+pub(crate) fn apply(
+    filters: &[Arc<Filter>],
+    regions: &[IntRect],
+    mut layer: Layer,
+    job: &mut Job,
+) -> Result<Layer, Error> {
+    for (filter, &region) in filters.iter().zip(regions) {
+        layer = Run::new(filter, region, layer.over_rect(region))?.run(job)?;
+    }
+    Ok(layer.into_space(Space::Srgb))
+}
+
+/// What a primitive made.
+#[derive(Clone)]
+struct Made {
+    layer: Rc<Layer>,
+    /// Where it has anything: feTile's tile.
+    region: IntRect,
+}
+
+/// Where an input comes from.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Origin {
+    Source,
+    SourceAlpha,
+    /// The result of the primitive with this number.
+    Result(usize),
+}
+
+/// One filter at work.
+struct Run<'a> {
+    filter: &'a Filter,
+    region: IntRect,
+    source: Rc<Layer>,
+    source_alpha: Option<Rc<Layer>>,
+    /// Of each primitive, its inputs in order.
+    origins: Vec<Vec<Origin>>,
+    /// Of each primitive, the last one that looks at its result.
+    last_use: Vec<usize>,
+    /// Results, while somebody still looks at them.
+    results: Vec<Option<Made>>,
+}
+
+impl<'a> Run<'a> {
+    fn new(filter: &'a Filter, region: IntRect, source: Layer) -> Result<Run<'a>, Error> {
+        let primitives = filter.primitives();
+        let origins: Vec<Vec<Origin>> = (0..primitives.len())
+            .map(|number| {
+                inputs(primitives[number].kind())
+                    .into_iter()
+                    .map(|i| origin(i, &primitives[..number]))
+                    .collect()
+            })
+            .collect();
+        let mut last_use: Vec<usize> = (0..primitives.len()).collect();
+        for (number, origins) in origins.iter().enumerate() {
+            for origin in origins {
+                if let Origin::Result(of) = origin {
+                    last_use[*of] = number;
+                }
+            }
+        }
+        let run = Run {
+            filter,
+            region,
+            source: Rc::new(source),
+            source_alpha: None,
+            origins,
+            last_use,
+            results: vec![None; primitives.len()],
+        };
+        let held = region.area().saturating_mul(run.most_results() as u64);
+        if held > MOST_PIXELS_HELD {
+            return Err(Error::Limit(format!(
+                "the filter '{}' has to hold {held} pixels at once, more than {MOST_PIXELS_HELD} \
+                 (give it a smaller region, or draw a smaller picture)",
+                filter.id()
+            )));
+        }
+        Ok(run)
+    }
+
+    /// Layers at once, at most: results in use, the source, its alpha, and two being worked on.
+    fn most_results(&self) -> usize {
+        let in_use = |now: usize| (0..now).filter(|&of| self.last_use[of] >= now).count();
+        4 + (0..self.last_use.len()).map(in_use).max().unwrap_or(0)
+    }
+
+    fn run(mut self, job: &mut Job) -> Result<Layer, Error> {
+        let filter = self.filter;
+        if self.region.is_empty() {
+            return Ok(Layer::clear(IntRect::EMPTY, Space::Srgb));
+        }
+        for (number, primitive) in filter.primitives().iter().enumerate() {
+            let made = self.primitive(number, primitive, job)?;
+            self.results[number] = Some(made);
+            for of in 0..number {
+                if self.last_use[of] == number {
+                    self.results[of] = None;
+                }
+            }
+        }
+        // usvg gives no filter without primitives.
+        let last = self.results.pop().flatten().map(|made| Rc::unwrap_or_clone(made.layer));
+        Ok(last.unwrap_or_else(|| Layer::clear(self.region, Space::Srgb)))
+    }
+
+    fn primitive(&mut self, number: usize, primitive: &Primitive, job: &mut Job) -> Result<Made, Error> {
+        let mut subregion = pixels_of(primitive.rect(), job.to_canvas);
+        // An feOffset is where its input is, and is not cut: what it moves may leave it.
+        let offset = matches!(primitive.kind(), Kind::Offset(_));
+        if offset {
+            if let Some(Origin::Result(of)) = self.origins[number].first() {
+                if let Some(made) = &self.results[*of] {
+                    subregion = made.region;
+                }
+            }
+        }
+        let mut layer = self.layer(number, primitive, subregion, job)?;
+        debug_assert_eq!(layer.rect(), self.region);
+        if !offset {
+            layer.clear_outside(subregion);
+        }
+        Ok(Made { layer: Rc::new(layer), region: subregion })
+    }
+
+    /// The primitive's result before it is cut to its subregion.
+    fn layer(
+        &mut self,
+        number: usize,
+        primitive: &Primitive,
+        subregion: IntRect,
+        job: &mut Job,
+    ) -> Result<Layer, Error> {
+        let space = Space::from(primitive.color_interpolation());
+        let to_canvas = job.to_canvas;
+        let (sx, sy) = scales(to_canvas);
+        let sized = |x: f32, y: f32| (f64::from(x) * sx, f64::from(y) * sy);
+        Ok(match primitive.kind() {
+            Kind::GaussianBlur(fe) => blur::gaussian(
+                self.input_in(number, 0, space),
+                sized(fe.std_dev_x().get(), fe.std_dev_y().get()),
+            ),
+            Kind::DropShadow(fe) => self.drop_shadow(fe, number, space, (sx, sy)),
+            Kind::Offset(fe) => self.offset(number, sized(fe.dx(), fe.dy())),
+            Kind::Flood(fe) => {
+                let color = pixel_of(fe.color(), fe.opacity().get(), Space::Srgb);
+                Layer::filled(self.region, Space::Srgb, color)
+            }
+            Kind::Blend(fe) => {
+                let (upper, lower) = self.inputs_in(number, space);
+                combine::blended(fe.mode(), &upper, lower)
+            }
+            Kind::Composite(fe) => {
+                let (upper, lower) = self.inputs_in(number, space);
+                combine::composite(fe.operator(), &upper, lower)
+            }
+            Kind::Merge(fe) => {
+                let mut merged = Layer::clear(self.region, space);
+                for i in 0..fe.inputs().len() {
+                    merged = combine::merged(&self.input_in(number, i, space), merged);
+                }
+                merged
+            }
+            Kind::ColorMatrix(fe) => color::matrix(self.input_in(number, 0, space), fe.kind()),
+            Kind::ComponentTransfer(fe) => color::transfer(self.input_in(number, 0, space), fe),
+            Kind::ConvolveMatrix(fe) => convolve::apply(self.input_in(number, 0, space), fe)?,
+            Kind::Morphology(fe) => morphology::apply(
+                self.input_in(number, 0, space),
+                fe.operator(),
+                sized(fe.radius_x().get(), fe.radius_y().get()),
+            ),
+            Kind::DisplacementMap(fe) => {
+                // The space is the map's; what is displaced stays in its own.
+                let layer = self.input(number, 0).layer;
+                let map = self.input_in(number, 1, space);
+                displace::displaced(&layer, &map, fe, sized(fe.scale(), fe.scale()))
+            }
+            Kind::Tile(_) => {
+                let input = self.input(number, 0);
+                displace::tiled(&input.layer, input.region)
+            }
+            Kind::Turbulence(fe) => {
+                turbulence::noise(fe, space, self.region, to_canvas, user_rect(primitive))
+            }
+            Kind::DiffuseLighting(fe) => light::diffuse(&self.input(number, 0).layer, fe, space, to_canvas),
+            Kind::SpecularLighting(fe) => {
+                light::specular(&self.input(number, 0).layer, fe, space, to_canvas, job.highlights)
+            }
+            Kind::Image(fe) => self.image(fe, subregion, job)?,
+        })
+    }
+
+    /// An input as it is. Inputs are asked for in their order, each once.
+    fn input(&mut self, number: usize, which: usize) -> Made {
+        let made = |layer: &Rc<Layer>, region| Made { layer: layer.clone(), region };
+        let origin = self.origins[number][which];
+        let later = self.origins[number][which + 1..].contains(&origin);
+        match origin {
+            Origin::Source => made(&self.source, self.region),
+            Origin::SourceAlpha => {
+                let alpha = self.source_alpha.get_or_insert_with(|| Rc::new(self.source.alpha()));
+                made(alpha, self.region)
+            }
+            Origin::Result(of) => {
+                // The last to look at a result takes it, and may work in its place.
+                let last = self.last_use[of] == number && !later;
+                let result = &mut self.results[of];
+                let result = if last { result.take() } else { result.clone() };
+                result.unwrap_or_else(|| made(&self.source, self.region))
+            }
+        }
+    }
+
+    /// An input to be worked on.
+    fn input_in(&mut self, number: usize, which: usize, space: Space) -> Layer {
+        Rc::unwrap_or_clone(self.input(number, which).layer).into_space(space)
+    }
+
+    /// The first two inputs: in and in2.
+    fn inputs_in(&mut self, number: usize, space: Space) -> (Layer, Layer) {
+        (self.input_in(number, 0, space), self.input_in(number, 1, space))
+    }
+
+    fn offset(&mut self, number: usize, (dx, dy): (f64, f64)) -> Layer {
+        let input = self.input(number, 0).layer;
+        match (whole(dx), whole(dy)) {
+            (0, 0) => Rc::unwrap_or_clone(input),
+            (dx, dy) => input.moved_over_rect(dx, dy, self.region),
+        }
+    }
+
+    fn drop_shadow(&mut self, fe: &DropShadow, number: usize, space: Space, (sx, sy): (f64, f64)) -> Layer {
+        let input = self.input_in(number, 0, space);
+        let deviations = (f64::from(fe.std_dev_x().get()) * sx, f64::from(fe.std_dev_y().get()) * sy);
+        let mut shadow = blur::gaussian(input.alpha(), deviations);
+        let color: Pixel = pixel_of(fe.color(), fe.opacity().get(), space);
+        for pixel in shadow.pixels_mut() {
+            *pixel = color.map(|v| v * pixel[3]);
+        }
+        let (dx, dy) = (whole(f64::from(fe.dx()) * sx), whole(f64::from(fe.dy()) * sy));
+        combine::merged(&input, shadow.moved_over_rect(dx, dy, self.region))
+    }
+
+    fn image(&mut self, fe: &Image, subregion: IntRect, job: &mut Job) -> Result<Layer, Error> {
+        let (sx, sy) = scales(job.to_canvas);
+        let (x, y) = (f64::from(subregion.x()), f64::from(subregion.y()));
+        let over = subregion.intersect(self.region);
+        if over.is_empty() {
+            return Ok(Layer::clear(self.region, Space::Srgb));
+        }
+        let drawn = (job.draw)(fe.root(), Affine::new([sx, 0.0, 0.0, sy, x, y]), over)?;
+        Ok(drawn.over_rect(self.region))
+    }
+}
+
+/// Whole pixels of an offset: towards 0, as browsers' filters have it.
+fn whole(offset: f64) -> i32 {
+    (offset + LAST_BITS.copysign(offset)) as i32
+}
+
+fn user_rect(primitive: &Primitive) -> Rect {
+    let rect = primitive.rect();
+    Rect::new(rect.left().into(), rect.top().into(), rect.right().into(), rect.bottom().into())
+}
+
+fn origin(input: &Input, before: &[Primitive]) -> Origin {
+    match input {
+        Input::SourceGraphic => Origin::Source,
+        Input::SourceAlpha => Origin::SourceAlpha,
+        Input::Reference(name) => before
+            .iter()
+            .rposition(|primitive| primitive.result() == name)
+            .map_or(Origin::Source, Origin::Result),
+    }
+}
+
+fn inputs(kind: &Kind) -> Vec<&Input> {
+    match kind {
+        Kind::Blend(fe) => vec![fe.input1(), fe.input2()],
+        Kind::ColorMatrix(fe) => vec![fe.input()],
+        Kind::ComponentTransfer(fe) => vec![fe.input()],
+        Kind::Composite(fe) => vec![fe.input1(), fe.input2()],
+        Kind::ConvolveMatrix(fe) => vec![fe.input()],
+        Kind::DiffuseLighting(fe) => vec![fe.input()],
+        Kind::DisplacementMap(fe) => vec![fe.input1(), fe.input2()],
+        Kind::DropShadow(fe) => vec![fe.input()],
+        Kind::Flood(_) | Kind::Image(_) | Kind::Turbulence(_) => vec![],
+        Kind::GaussianBlur(fe) => vec![fe.input()],
+        Kind::Merge(fe) => fe.inputs().iter().collect(),
+        Kind::Morphology(fe) => vec![fe.input()],
+        Kind::Offset(fe) => vec![fe.input()],
+        Kind::SpecularLighting(fe) => vec![fe.input()],
+        Kind::Tile(fe) => vec![fe.input()],
+    }
+}

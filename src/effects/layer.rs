@@ -1,0 +1,416 @@
+//! Takes pixels over a rectangle of the picture, keeps them as a [`Layer`]: premultiplied RGBA in
+//! `f32`, which knows whether its colours are sRGB-encoded or linear. Eight bits would not do: dark
+//! colours in linear light need twelve, and every primitive of a chain would round again.
+
+use super::srgb;
+use kurbo::{Affine, Point, Rect};
+
+/// A rectangle of whole pixels: columns [x, x + width), rows [y, y + height).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct IntRect {
+    x: i32,
+    y: i32,
+    width: u32,
+    height: u32,
+}
+
+impl IntRect {
+    /// No edge of a rectangle lies farther out than this, so sums of two never overflow.
+    const FARTHEST: i64 = 1 << 28;
+    pub const EMPTY: IntRect = IntRect { x: 0, y: 0, width: 0, height: 0 };
+
+    pub fn new(x: i32, y: i32, width: u32, height: u32) -> IntRect {
+        let (x, y) = (i64::from(x), i64::from(y));
+        IntRect::from_edges(x, y, x + i64::from(width), y + i64::from(height))
+    }
+
+    /// Columns [left, right), rows [top, bottom); empty where they are not in this order.
+    pub fn from_edges(left: i64, top: i64, right: i64, bottom: i64) -> IntRect {
+        let [left, top, right, bottom] =
+            [left, top, right, bottom].map(|v| v.clamp(-Self::FARTHEST, Self::FARTHEST));
+        if right <= left || bottom <= top {
+            return IntRect::EMPTY;
+        }
+        IntRect { x: left as i32, y: top as i32, width: (right - left) as u32, height: (bottom - top) as u32 }
+    }
+
+    /// All pixels that a rectangle touches.
+    pub fn around(rect: Rect) -> IntRect {
+        // `as` saturates, and takes NaN to 0.
+        IntRect::from_edges(
+            rect.x0.floor() as i64,
+            rect.y0.floor() as i64,
+            rect.x1.ceil() as i64,
+            rect.y1.ceil() as i64,
+        )
+    }
+
+    pub fn x(self) -> i32 {
+        self.x
+    }
+
+    pub fn y(self) -> i32 {
+        self.y
+    }
+
+    pub fn width(self) -> usize {
+        self.width as usize
+    }
+
+    pub fn height(self) -> usize {
+        self.height as usize
+    }
+
+    /// The first column beyond it.
+    pub fn right(self) -> i32 {
+        self.x + self.width as i32
+    }
+
+    /// The first row beyond it.
+    pub fn bottom(self) -> i32 {
+        self.y + self.height as i32
+    }
+
+    pub fn area(self) -> u64 {
+        u64::from(self.width) * u64::from(self.height)
+    }
+
+    pub fn is_empty(self) -> bool {
+        self.width == 0
+    }
+
+    pub fn intersect(self, other: IntRect) -> IntRect {
+        IntRect::from_edges(
+            self.x.max(other.x).into(),
+            self.y.max(other.y).into(),
+            self.right().min(other.right()).into(),
+            self.bottom().min(other.bottom()).into(),
+        )
+    }
+
+    /// Wider by this many columns on either side, higher by this many rows above and below.
+    pub fn grown(self, columns: i64, rows: i64) -> IntRect {
+        if self.is_empty() {
+            return self;
+        }
+        IntRect::from_edges(
+            i64::from(self.x) - columns,
+            i64::from(self.y) - rows,
+            i64::from(self.right()) + columns,
+            i64::from(self.bottom()) + rows,
+        )
+    }
+
+    pub fn to_rect(self) -> Rect {
+        Rect::new(self.x.into(), self.y.into(), self.right().into(), self.bottom().into())
+    }
+}
+
+/// How a layer's colours are encoded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Space {
+    Srgb,
+    Linear,
+}
+
+impl From<usvg::filter::ColorInterpolation> for Space {
+    fn from(interpolation: usvg::filter::ColorInterpolation) -> Space {
+        match interpolation {
+            usvg::filter::ColorInterpolation::SRGB => Space::Srgb,
+            usvg::filter::ColorInterpolation::LinearRGB => Space::Linear,
+        }
+    }
+}
+
+/// Premultiplied red, green, blue, alpha: each 0 ..= 1, no colour above its alpha.
+pub(crate) type Pixel = [f32; 4];
+
+/// Nothing.
+pub(crate) const CLEAR: Pixel = [0.0; 4];
+
+/// A premultiplied pixel from a straight one, clamped to what a pixel may hold; NaN is 0.
+#[inline]
+pub(crate) fn premultiplied([r, g, b, a]: Pixel) -> Pixel {
+    let a = unit(a);
+    [unit(r) * a, unit(g) * a, unit(b) * a, a]
+}
+
+/// Straight colour of a premultiplied pixel; a clear one is black.
+#[inline]
+pub(crate) fn straight([r, g, b, a]: Pixel) -> Pixel {
+    if a >= 1.0 {
+        [r, g, b, a]
+    } else if a > 0.0 {
+        [r / a, g / a, b / a, a].map(|v| v.min(1.0))
+    } else {
+        CLEAR
+    }
+}
+
+/// Clamped to 0 ..= 1; NaN is 0.
+#[inline]
+pub(crate) fn unit(v: f32) -> f32 {
+    // `max` drops NaN, `clamp` would keep it.
+    v.max(0.0).min(1.0)
+}
+
+/// A colour as it is written in SVG, sRGB-encoded and straight, as a pixel in some space.
+pub(crate) fn pixel_of(color: usvg::Color, opacity: f32, space: Space) -> Pixel {
+    let [r, g, b] = [color.red, color.green, color.blue].map(|v| {
+        let v = f32::from(v) / 255.0;
+        match space {
+            Space::Srgb => v,
+            Space::Linear => srgb::linear_of_encoded(v),
+        }
+    });
+    premultiplied([r, g, b, opacity])
+}
+
+/// Pixels over a rectangle; all beyond it is clear.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Layer {
+    rect: IntRect,
+    space: Space,
+    /// Row by row from the top.
+    pixels: Vec<Pixel>,
+}
+
+impl Layer {
+    /// Nothing, over a rectangle.
+    pub fn clear(rect: IntRect, space: Space) -> Layer {
+        Layer::filled(rect, space, CLEAR)
+    }
+
+    /// One colour.
+    pub fn filled(rect: IntRect, space: Space, pixel: Pixel) -> Layer {
+        Layer { rect, space, pixels: vec![pixel; rect.width() * rect.height()] }
+    }
+
+    /// From sRGB-encoded bytes with straight alpha, rows without padding.
+    ///
+    /// # Panics
+    /// When there are not exactly four bytes for every pixel.
+    pub fn from_rgba8(rect: IntRect, bytes: &[u8]) -> Layer {
+        assert_eq!(bytes.len() as u64, rect.area() * 4, "four bytes a pixel");
+        let pixel = |p: &[u8]| premultiplied([p[0], p[1], p[2], p[3]].map(|v| f32::from(v) / 255.0));
+        Layer { rect, space: Space::Srgb, pixels: bytes.chunks_exact(4).map(pixel).collect() }
+    }
+
+    /// sRGB-encoded bytes with straight alpha.
+    pub fn to_rgba8(&self) -> Vec<u8> {
+        let space = self.space;
+        let bytes = move |&pixel: &Pixel| {
+            let pixel = match space {
+                Space::Srgb => pixel,
+                Space::Linear => recoded(pixel, srgb::encoded_of_linear),
+            };
+            straight(pixel).map(|v| (unit(v) * 255.0 + 0.5) as u8)
+        };
+        self.pixels.iter().flat_map(bytes).collect()
+    }
+
+    pub fn rect(&self) -> IntRect {
+        self.rect
+    }
+
+    pub fn space(&self) -> Space {
+        self.space
+    }
+
+    pub fn pixels(&self) -> &[Pixel] {
+        &self.pixels
+    }
+
+    pub fn pixels_mut(&mut self) -> &mut [Pixel] {
+        &mut self.pixels
+    }
+
+    /// The pixel in column x and row y of the picture.
+    #[inline]
+    pub fn pixel(&self, x: i32, y: i32) -> Pixel {
+        let (column, row) = (x.wrapping_sub(self.rect.x) as u32, y.wrapping_sub(self.rect.y) as u32);
+        if column < self.rect.width && row < self.rect.height {
+            self.pixels[row as usize * self.rect.width() + column as usize]
+        } else {
+            CLEAR
+        }
+    }
+
+    /// The same colours in another encoding.
+    pub fn into_space(mut self, space: Space) -> Layer {
+        let code = match (self.space, space) {
+            (Space::Srgb, Space::Linear) => srgb::linear_of_encoded,
+            (Space::Linear, Space::Srgb) => srgb::encoded_of_linear,
+            _ => return self,
+        };
+        // Runs of one colour are the rule in drawings.
+        let (mut known, mut known_recoded) = (CLEAR, CLEAR);
+        for pixel in &mut self.pixels {
+            if *pixel != known {
+                (known, known_recoded) = (*pixel, recoded(*pixel, code));
+            }
+            *pixel = known_recoded;
+        }
+        self.space = space;
+        self
+    }
+
+    /// Every pixel by itself; the result is clamped to what a pixel may hold.
+    pub fn map_straight(mut self, map: impl Fn(Pixel) -> Pixel) -> Layer {
+        let (mut known, mut known_mapped) = (CLEAR, premultiplied(map(CLEAR)));
+        for pixel in &mut self.pixels {
+            if *pixel != known {
+                (known, known_mapped) = (*pixel, premultiplied(map(straight(*pixel))));
+            }
+            *pixel = known_mapped;
+        }
+        self
+    }
+
+    /// Black with the same alpha.
+    pub fn alpha(&self) -> Layer {
+        let pixels = self.pixels.iter().map(|p| [0.0, 0.0, 0.0, p[3]]).collect();
+        Layer { pixels, ..*self }
+    }
+
+    /// The same pixels over another rectangle: cut off or clear where this one ends.
+    pub fn over_rect(&self, rect: IntRect) -> Layer {
+        if rect == self.rect {
+            return self.clone();
+        }
+        self.moved_over_rect(0, 0, rect)
+    }
+
+    /// Moved by whole pixels, then cut to a rectangle.
+    pub fn moved_over_rect(&self, dx: i32, dy: i32, rect: IntRect) -> Layer {
+        let mut moved = Layer::clear(rect, self.space);
+        let from = IntRect::from_edges(
+            i64::from(self.rect.x) + i64::from(dx),
+            i64::from(self.rect.y) + i64::from(dy),
+            i64::from(self.rect.right()) + i64::from(dx),
+            i64::from(self.rect.bottom()) + i64::from(dy),
+        );
+        let common = from.intersect(rect);
+        for y in common.y..common.bottom() {
+            let to = (y - rect.y) as usize * rect.width() + (common.x - rect.x) as usize;
+            let at = (y - from.y) as usize * from.width() + (common.x - from.x) as usize;
+            moved.pixels[to..to + common.width()].copy_from_slice(&self.pixels[at..at + common.width()]);
+        }
+        moved
+    }
+
+    /// Clears all pixels outside a rectangle.
+    pub fn clear_outside(&mut self, keep: IntRect) {
+        if keep.intersect(self.rect) == self.rect {
+            return;
+        }
+        *self = self.over_rect(keep.intersect(self.rect)).over_rect(self.rect);
+    }
+
+    /// The picture under a transform, bilinearly between the pixels' centres.
+    pub fn resampled(&self, transform: Affine, rect: IntRect) -> Layer {
+        let mut resampled = Layer::clear(rect, self.space);
+        if transform.determinant() == 0.0 || !transform.is_finite() || rect.is_empty() {
+            return resampled;
+        }
+        let back = transform.inverse();
+        for (row, pixels) in resampled.pixels.chunks_exact_mut(rect.width()).enumerate() {
+            let y = f64::from(rect.y) + row as f64 + 0.5;
+            for (column, pixel) in pixels.iter_mut().enumerate() {
+                let p = back * Point::new(f64::from(rect.x) + column as f64 + 0.5, y);
+                *pixel = self.between(p.x - 0.5, p.y - 0.5);
+            }
+        }
+        resampled
+    }
+
+    /// Bilinear: whole numbers are pixels' centres.
+    #[inline]
+    pub fn between(&self, x: f64, y: f64) -> Pixel {
+        let (left, top) = (x.floor(), y.floor());
+        let (right_share, bottom_share) = ((x - left) as f32, (y - top) as f32);
+        // Saturating casts: what is far off stays far off.
+        let (column, row) = (left as i32, top as i32);
+        let (next_column, next_row) = (column.saturating_add(1), row.saturating_add(1));
+        let upper = mix(self.pixel(column, row), self.pixel(next_column, row), right_share);
+        if bottom_share == 0.0 {
+            return upper;
+        }
+        let lower = mix(self.pixel(column, next_row), self.pixel(next_column, next_row), right_share);
+        mix(upper, lower, bottom_share)
+    }
+}
+
+/// From the one (share 0) to the other (share 1).
+#[inline]
+fn mix(one: Pixel, other: Pixel, share: f32) -> Pixel {
+    std::array::from_fn(|i| one[i] + (other[i] - one[i]) * share)
+}
+
+fn recoded(pixel: Pixel, code: fn(f32) -> f32) -> Pixel {
+    let [r, g, b, a] = straight(pixel);
+    [code(r) * a, code(g) * a, code(b) * a, a]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn chequered() -> Layer {
+        let bytes: Vec<u8> =
+            (0..4 * 3 * 4).map(|i| if i % 4 == 3 { 255 } else { (i * 37 % 256) as u8 }).collect();
+        Layer::from_rgba8(IntRect::new(-1, 2, 4, 3), &bytes)
+    }
+
+    #[test]
+    fn bytes_go_through_linear_light_and_come_back() {
+        let bytes: Vec<u8> = (0..=255u8).flat_map(|v| [v, 255 - v, v / 2, 255]).collect();
+        let layer = Layer::from_rgba8(IntRect::new(0, 0, 256, 1), &bytes);
+        assert_eq!(layer.clone().into_space(Space::Linear).into_space(Space::Srgb).to_rgba8(), bytes);
+        assert_eq!(layer.into_space(Space::Linear).to_rgba8(), bytes);
+    }
+
+    #[test]
+    fn a_translucent_pixel_keeps_its_colour_through_linear_light() {
+        let layer = Layer::from_rgba8(IntRect::new(0, 0, 1, 1), &[200, 100, 50, 40]);
+        assert_eq!(layer.into_space(Space::Linear).to_rgba8(), [200, 100, 50, 40]);
+    }
+
+    #[test]
+    fn beyond_a_layer_all_is_clear() {
+        let layer = chequered();
+        assert_ne!(layer.pixel(-1, 2), CLEAR);
+        for (x, y) in [(-2, 2), (3, 2), (0, 1), (0, 5), (i32::MIN, 2), (i32::MAX, i32::MAX)] {
+            assert_eq!(layer.pixel(x, y), CLEAR);
+        }
+        assert_eq!(layer.between(1e300, f64::NAN), CLEAR);
+    }
+
+    #[test]
+    fn a_moved_layer_is_cut_at_its_new_rectangle() {
+        let layer = chequered();
+        let moved = layer.moved_over_rect(1, -1, IntRect::new(0, 0, 3, 3));
+        for y in 0..3 {
+            for x in 0..3 {
+                assert_eq!(moved.pixel(x, y), layer.pixel(x - 1, y + 1));
+            }
+        }
+    }
+
+    #[test]
+    fn a_quarter_turn_resamples_without_loss() {
+        let layer = chequered();
+        let turn = Affine::new([0.0, 1.0, -1.0, 0.0, 0.0, 0.0]);
+        let turned = layer.resampled(turn, IntRect::new(-5, -1, 3, 4));
+        assert_eq!(turned.pixel(-3, -1), layer.pixel(-1, 2));
+        assert_eq!(turned.resampled(turn.inverse(), layer.rect()), layer);
+    }
+
+    #[test]
+    fn absurd_rectangles_are_cut_or_empty() {
+        assert_eq!(IntRect::new(5, 5, 0, 7), IntRect::EMPTY);
+        assert!(IntRect::new(i32::MAX, i32::MIN, u32::MAX, u32::MAX).is_empty());
+        assert_eq!(IntRect::around(Rect::new(f64::NAN, 0.0, f64::NAN, 1.0)), IntRect::EMPTY);
+        assert!(IntRect::around(Rect::new(-1e300, -1e300, 1e300, 1e300)).width() > 1 << 28);
+    }
+}
