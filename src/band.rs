@@ -95,9 +95,9 @@ impl<C: Coverage> BandRenderer<C> {
         let clip = shape.clip.map(|clip| self.clip(picture, band, clip, rows));
         let brush = match &shape.paint {
             Paint::Flat(sheet) => Brush::flat(*sheet),
-            paint @ Paint::Gradient(_) => {
+            paint => {
                 let shader =
-                    picture.around.shaders[number as usize].as_ref().expect("gradients have shaders");
+                    picture.around.shaders[number as usize].as_ref().expect("only flat paint has no shader");
                 Brush::Gradient { shape: number, shader, opaque: paint.is_opaque() }
             }
         };

@@ -7,6 +7,7 @@
 //! | [`scene`] | SVG bytes → [`Scene`]: depth-ordered shapes, their paint, clips and groups |
 //! | [`render`] | [`Scene`] + [`Viewport`] + [`Settings`] → pixel rows; the only file that knows the order of the stages |
 //! | [`methods`] | which way of anti-aliasing → who paints |
+//! | `layers` | filters, masks, blend modes, patterns → layers of pixels that shapes are painted with |
 //! | `outlines` | scene + viewport → outlines with bounds, sorted into bands; flattened when first needed |
 //! | `pen`, `polygons` | strokes → outlines; curves → chords |
 //! | `edges` | polygons → edges in fixed point, sorted in y |
@@ -53,6 +54,8 @@ pub mod scene;
 pub mod render;
 
 pub mod methods;
+
+mod layers;
 
 mod outlines;
 

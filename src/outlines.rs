@@ -22,7 +22,7 @@ impl<'a> PlacedOutline<'a> {
     pub fn new(geometry: &'a Geometry, viewport: &Viewport, all_crisp: bool) -> PlacedOutline<'a> {
         let rule = match geometry.outline {
             Outline::Fill(rule) => rule,
-            Outline::Stroke(_) => FillRule::NonZero,
+            Outline::Stroke(_) | Outline::Pixels => FillRule::NonZero,
         };
         let bounds = bounds(geometry, viewport);
         PlacedOutline { geometry, rule, crisp: geometry.crisp || all_crisp, bounds, edges: OnceLock::new() }
@@ -50,20 +50,25 @@ impl<'a> PlacedOutline<'a> {
     }
 }
 
-/// The bounds of the control points, and of all that a stroke may add around them.
-fn bounds(geometry: &Geometry, viewport: &Viewport) -> Option<Bounds> {
+/// The bounds of the control points, and of all that a stroke may add around them, in pixels.
+pub(crate) fn bounds_in_pixels(geometry: &Geometry, viewport: &Viewport) -> Rect {
     let b = geometry.path.bounds();
     let own = Rect::new(b.left().into(), b.top().into(), b.right().into(), b.bottom().into());
     let transform = viewport.transform * geometry.transform;
     let reach = match &geometry.outline {
-        Outline::Fill(_) => 0.0,
+        Outline::Fill(_) | Outline::Pixels => 0.0,
         Outline::Stroke(stroke) => {
             let miter = if stroke.join == kurbo::Join::Miter { stroke.miter_limit.max(1.0) } else { 1.0 };
             // A square cap reaches to the corner of a square.
             0.5 * stroke.width * miter.max(std::f64::consts::SQRT_2) * largest_scale(transform)
         }
     };
-    let placed = transform.transform_rect_bbox(own).inflate(reach + 1.0, reach + 1.0);
+    transform.transform_rect_bbox(own).inflate(reach + 1.0, reach + 1.0)
+}
+
+/// The pixels of the picture in those bounds.
+fn bounds(geometry: &Geometry, viewport: &Viewport) -> Option<Bounds> {
+    let placed = bounds_in_pixels(geometry, viewport);
     if !(placed.x0 + placed.y0 + placed.x1 + placed.y1).is_finite() {
         // Coordinates that overflow cannot be placed; lines drop them one by one.
         return pixels(Rect::new(0.0, 0.0, viewport.width.into(), viewport.height.into()), viewport);

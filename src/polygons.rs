@@ -8,7 +8,7 @@
 use crate::edges::EdgeList;
 use crate::pen::Pen;
 use crate::scene::{Geometry, Outline};
-use kurbo::{Affine, PathEl, Point, Vec2};
+use kurbo::{Affine, PathEl, Point, Rect, Shape, Vec2};
 use usvg::tiny_skia_path::PathSegment;
 
 /// A curve becomes at most this many chords, however large it is.
@@ -30,6 +30,12 @@ impl Flattener {
         match &geometry.outline {
             Outline::Fill(_) => {
                 polygons(elements(&geometry.path), transform, tolerance, edges);
+            }
+            Outline::Pixels => {
+                let b = geometry.path.bounds();
+                let own = Rect::new(b.left().into(), b.top().into(), b.right().into(), b.bottom().into());
+                let pixels = transform.transform_rect_bbox(own).expand();
+                polygons(pixels.path_elements(tolerance), Affine::IDENTITY, tolerance, edges);
             }
             Outline::Stroke(style) => {
                 let scale = largest_scale(transform);

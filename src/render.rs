@@ -9,10 +9,11 @@
 use crate::band::{band_count, Laps, Picture};
 use crate::cel::Rows;
 use crate::edges::{BAND_ROWS, LARGEST_SIDE};
+use crate::layers;
 use crate::methods::{painter, BandPainter, Method, Painter, PicturePainter};
 use crate::outlines::{BandLists, Outlines};
 use crate::pixel::resolve::Surroundings;
-use crate::scene::paint::{Paint, Sheet};
+use crate::scene::paint::Sheet;
 use crate::{Error, Pixmap, Scene};
 use rayon::prelude::*;
 use std::sync::Mutex;
@@ -256,15 +257,7 @@ impl Renderer {
         self.resize(viewport);
         let mut outlines = Outlines::new(scene, viewport, self.settings.method.is_jagged());
         let bands = BandLists::new(&outlines.shapes, viewport.height);
-        let has_gradients = scene.shapes.iter().any(|shape| matches!(shape.paint, Paint::Gradient(_)));
-        let shader = |paint| match paint {
-            &Paint::Flat(_) => None,
-            Paint::Gradient(gradient) => Some(gradient.shader(viewport.transform)),
-        };
-        let shaders: Vec<_> = match has_gradients {
-            true => scene.shapes.iter().map(|shape| shader(&shape.paint)).collect(),
-            false => Vec::new(),
-        };
+        let shaders = layers::shaders(scene, viewport, &self.settings)?;
         let background = self.settings.background.map_or(Sheet::CLEAR, |[r, g, b, a]| {
             Sheet::new([r, g, b].map(|c| f32::from(c) / 255.0), f32::from(a) / 255.0)
         });

@@ -204,7 +204,7 @@ impl PointRow {
             if inside {
                 let sheet = match &shape.paint {
                     Paint::Flat(sheet) => *sheet,
-                    Paint::Gradient(_) => {
+                    _ => {
                         let shader = picture.around.shaders[number as usize].as_ref();
                         let pixels = |v: i32| f64::from(v) / f64::from(ONE);
                         shader.expect("gradients have shaders").at(pixels(x), pixels(y))

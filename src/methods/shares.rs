@@ -87,7 +87,7 @@ impl<F: Footprint> SharePainter<F> {
                     run.cut.map_or(1.0, |cut| self.ruler.share::<F>(&border, cut, (x, y), window) as f32);
                 let sheet = match &shape.paint {
                     Paint::Flat(sheet) => *sheet,
-                    Paint::Gradient(_) => {
+                    _ => {
                         let shader = picture.around.shaders[number as usize].as_ref();
                         shader.expect("gradients have shaders").at(x as f64 + 0.5, f64::from(y) + 0.5)
                     }

@@ -35,6 +35,7 @@ pub(super) fn paint(
                 .into(),
         ));
     }
+    scene.refuse_rasters("tiny-skia")?;
     if geometries(scene).any(|geometry| reaches_too_far(geometry, viewport)) {
         return Err(Error::Limit(format!(
             "tiny-skia cannot draw what lies more than {FARTHEST:e} pixels away: use another method"
@@ -181,6 +182,7 @@ impl Painter<'_> {
                     canvas.pixmap.fill_path(&geometry.path, &paint, rule, transform, None);
                 }
             }
+            Outline::Pixels => unreachable!("scenes with rasters are refused"),
             Outline::Stroke(pen) => {
                 canvas.pixmap.stroke_path(&geometry.path, &paint, &stroke(pen), transform, None);
             }
@@ -264,6 +266,7 @@ fn shader(paint: &Paint, geometry: &Geometry) -> Option<Shader<'static>> {
         Paint::Gradient(gradient) => {
             gradient_shader(gradient, geometry.transform.inverse() * gradient.transform)
         }
+        Paint::Raster(_) | Paint::Layer(..) => None,
     }
 }
 

@@ -2,6 +2,7 @@
 //! group that hold at each node.
 
 use super::paint::{Gradient, GradientShape, Paint, Spread, Stop};
+use super::raster::{Mask, Raster, RasterGroup, Source};
 use super::{Clip, ClipId, ClipMember, FillRule, Geometry, Group, GroupId, Outline, Scene, Shape, Warning};
 use crate::Error;
 use kurbo::{Affine, Rect, Size};
@@ -10,6 +11,9 @@ use std::sync::Arc;
 
 /// Opacity groups nested deeper than this are refused: each open one holds a strip of the picture.
 const DEEPEST_GROUP: usize = 256;
+
+/// Filters, masks and patterns within one another beyond this are refused: each holds a picture.
+const DEEPEST_RASTER: usize = 32;
 
 /// The scene of `tree`, or of one node of it.
 pub(super) fn scene(tree: &usvg::Tree, node: Option<&usvg::Node>) -> Result<Scene, Error> {
@@ -64,6 +68,8 @@ struct Walk {
     known_clips: HashMap<(usize, [u64; 6], Option<ClipId>), ClipId>,
     groups: Vec<Group>,
     warnings: Vec<Warning>,
+    /// Rasters around the walk.
+    nesting: usize,
 }
 
 impl Default for Walk {
@@ -75,6 +81,7 @@ impl Default for Walk {
             known_clips: HashMap::new(),
             groups: vec![picture],
             warnings: Vec::new(),
+            nesting: 0,
         }
     }
 }
@@ -97,17 +104,11 @@ impl Walk {
 
     fn group(&mut self, group: &usvg::Group, mut place: Place) -> Result<(), Error> {
         place.transform *= affine(group.transform());
-        if group.mask().is_some() {
-            self.warn("masks", group.id());
-        }
-        if !group.filters().is_empty() {
-            self.warn("filters", group.id());
-        }
-        if group.blend_mode() != usvg::BlendMode::Normal {
-            self.warn("blend modes", group.id());
-        }
         if let Some(clip) = group.clip_path() {
             place.clip = Some(self.clip(clip, place.transform, place.clip));
+        }
+        if is_raster(group) {
+            return self.raster(group, place);
         }
         let opacity = group.opacity().get();
         if opacity >= 1.0 {
@@ -134,6 +135,56 @@ impl Walk {
         Ok(())
     }
 
+    /// A group that is made into pixels first.
+    fn raster(&mut self, group: &usvg::Group, place: Place) -> Result<(), Error> {
+        let content = self.content(group)?;
+        if content.shapes.is_empty() && group.filters().is_empty() {
+            return Ok(());
+        }
+        let mask = group.mask().map(|mask| self.mask(mask)).transpose()?;
+        let bounds = rect(group.layer_bounding_box());
+        let source = Source::Group(RasterGroup {
+            content,
+            filters: group.filters().to_vec(),
+            mask,
+            blend_mode: group.blend_mode(),
+        });
+        let opacity = group.opacity().get();
+        let raster = Raster { source, transform: place.transform, bounds, opacity };
+        let geometry = Geometry { outline: Outline::Pixels, ..Geometry::of_rect(bounds, place.transform) };
+        let paint = Paint::Raster(Arc::new(raster));
+        self.shapes.push(Shape { geometry, paint, clip: place.clip, group: place.group });
+        Ok(())
+    }
+
+    fn mask(&mut self, mask: &usvg::Mask) -> Result<Mask, Error> {
+        let content = self.content(mask.root())?;
+        let within = mask.mask().map(|within| self.mask(within)).transpose()?.map(Box::new);
+        Ok(Mask { content, rect: rect(mask.rect()), kind: mask.kind(), within })
+    }
+
+    /// What a group holds, as a scene of its own.
+    fn content(&mut self, group: &usvg::Group) -> Result<Scene, Error> {
+        if self.nesting == DEEPEST_RASTER {
+            return Err(Error::Limit(format!(
+                "filters, masks and patterns are nested more than {DEEPEST_RASTER} deep at {} (flatten them)",
+                self.name(group.id())
+            )));
+        }
+        let mut walk = Walk { nesting: self.nesting + 1, ..Walk::default() };
+        walk.warnings = std::mem::take(&mut self.warnings);
+        let place = Place { transform: Affine::IDENTITY, clip: None, group: 0, depth: 0 };
+        let done = group.children().iter().try_for_each(|child| walk.node(child, place));
+        self.warnings = std::mem::take(&mut walk.warnings);
+        done?;
+        Ok(walk.into_scene())
+    }
+
+    fn into_scene(self) -> Scene {
+        let Walk { shapes, clips, groups, warnings, .. } = self;
+        Scene { size: Size::ZERO, bounding_box: None, warnings, shapes, clips, groups }
+    }
+
     fn path(&mut self, path: &usvg::Path, place: Place) {
         if !path.is_visible() {
             return;
@@ -142,7 +193,7 @@ impl Walk {
         let crisp = !path.rendering_mode().use_shape_antialiasing();
         let geometry = |outline| Geometry { path: data.clone(), transform: place.transform, outline, crisp };
         let fill = path.fill().and_then(|fill| {
-            let paint = self.paint(fill.paint(), fill.opacity().get(), place.transform, path.id())?;
+            let paint = self.paint(fill.paint(), fill.opacity().get(), place.transform)?;
             Some(Shape {
                 geometry: geometry(fill_outline(fill)),
                 paint,
@@ -151,7 +202,7 @@ impl Walk {
             })
         });
         let stroke = path.stroke().and_then(|stroke| {
-            let paint = self.paint(stroke.paint(), stroke.opacity().get(), place.transform, path.id())?;
+            let paint = self.paint(stroke.paint(), stroke.opacity().get(), place.transform)?;
             if stroke.linejoin() == usvg::LineJoin::MiterClip {
                 self.warn("clipped miter joins", path.id());
             }
@@ -169,7 +220,7 @@ impl Walk {
     }
 
     /// The paint in pixels' terms, or `None` when nothing would be seen of it.
-    fn paint(&mut self, paint: &usvg::Paint, opacity: f32, transform: Affine, id: &str) -> Option<Paint> {
+    fn paint(&mut self, paint: &usvg::Paint, opacity: f32, transform: Affine) -> Option<Paint> {
         let paint = match paint {
             usvg::Paint::Color(color) => Paint::flat(*color, opacity),
             usvg::Paint::LinearGradient(linear) => {
@@ -187,8 +238,12 @@ impl Walk {
                 gradient(radial, shape, opacity, transform)?
             }
             usvg::Paint::Pattern(pattern) => {
-                self.warn("patterns", if id.is_empty() { pattern.id() } else { id });
-                return None;
+                let corner = rect(pattern.rect());
+                let tile = Rect::new(0.0, 0.0, corner.width(), corner.height());
+                let transform =
+                    transform * affine(pattern.transform()) * Affine::translate(corner.origin().to_vec2());
+                let source = Source::Tiles(self.content(pattern.root()).ok()?, tile);
+                Paint::Raster(Arc::new(Raster { source, transform, bounds: tile, opacity }))
             }
         };
         (!paint.is_invisible()).then_some(paint)
@@ -262,6 +317,38 @@ impl Walk {
             _ => format!("element '{id}'"),
         }
     }
+}
+
+/// What a group holds, as a scene.
+pub(super) fn content(group: &usvg::Group) -> Result<Scene, Error> {
+    Walk::default().content(group)
+}
+
+/// A scene of these shapes alone.
+pub(super) fn of_shapes(shapes: Vec<Shape>) -> Scene {
+    Walk { shapes, ..Walk::default() }.into_scene()
+}
+
+/// Is a group made into pixels before it is painted?
+fn is_raster(group: &usvg::Group) -> bool {
+    group.mask().is_some()
+        || !group.filters().is_empty()
+        || group.blend_mode() != usvg::BlendMode::Normal
+        || (group.should_isolate() && blends_inside(group))
+}
+
+/// Does anything blend with what lies below it in this group?
+fn blends_inside(group: &usvg::Group) -> bool {
+    group.children().iter().any(|child| match child {
+        usvg::Node::Group(inner) => {
+            inner.blend_mode() != usvg::BlendMode::Normal || (!inner.should_isolate() && blends_inside(inner))
+        }
+        _ => false,
+    })
+}
+
+fn rect(rect: usvg::NonZeroRect) -> Rect {
+    Rect::new(rect.left().into(), rect.top().into(), rect.right().into(), rect.bottom().into())
 }
 
 fn fill_outline(fill: &usvg::Fill) -> Outline {

@@ -5,6 +5,7 @@
 
 mod convert;
 pub(crate) mod paint;
+pub(crate) mod raster;
 
 pub mod load;
 
@@ -42,7 +43,7 @@ pub struct Warning {
 }
 
 /// A drawing, ready to be rendered at any size.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Scene {
     size: Size,
     bounding_box: Option<Rect>,
@@ -84,6 +85,8 @@ pub(crate) enum Outline {
     Fill(FillRule),
     /// The line along it; widths and dashes in the path's coordinates.
     Stroke(Box<kurbo::Stroke>),
+    /// All pixels that the path's bounds touch.
+    Pixels,
 }
 
 /// Which winding numbers are inside (SVG 2, 13.3.1).
@@ -161,6 +164,40 @@ impl Scene {
             Error::Element(format!("no element with id '{id}' is drawn (--query-all lists them)"))
         })?;
         convert::scene(tree, Some(node))
+    }
+
+    /// What a group holds, in the group's own coordinates.
+    ///
+    /// # Errors
+    /// As [`Scene::from_tree`].
+    pub(crate) fn from_group(group: &usvg::Group) -> Result<Scene, Error> {
+        convert::content(group)
+    }
+
+    /// A white rectangle.
+    pub(crate) fn of_rect(rect: Rect) -> Scene {
+        let white = usvg::Color::new_rgb(255, 255, 255);
+        let geometry = Geometry::of_rect(rect, Affine::IDENTITY);
+        let shape = Shape { geometry, paint: Paint::flat(white, 1.0), clip: None, group: 0 };
+        convert::of_shapes(vec![shape])
+    }
+
+    /// Other shapes, with this scene's clips and groups.
+    pub(crate) fn with_shapes(&self, shapes: Vec<Shape>) -> Scene {
+        let (clips, groups) = (self.clips.clone(), self.groups.clone());
+        Scene { shapes, clips, groups, ..convert::of_shapes(Vec::new()) }
+    }
+
+    /// # Errors
+    /// [`Error::Setting`] when the scene calls for more than the method named can draw.
+    pub(crate) fn refuse_rasters(&self, method: &str) -> Result<(), Error> {
+        let has_rasters = self.shapes.iter().any(|shape| matches!(shape.paint, Paint::Raster(_)));
+        match has_rasters {
+            false => Ok(()),
+            true => Err(Error::Setting(format!(
+                "the method {method} draws no filters, masks, blend modes and patterns: use another method"
+            ))),
+        }
     }
 
     /// Width and height of the drawing in user units (CSS px).

@@ -1,9 +1,12 @@
-//! Takes a paint's definition, makes colours: flat, or a gradient's colour at a point.
+//! Takes a paint's definition, makes colours: flat, or a gradient's or a layer's colour at a point.
 //!
 //! Colours in the renderer are [`Sheet`]s: premultiplied and sRGB-encoded, with the share of light
 //! that still passes in place of alpha, so that sheets compose front to back.
 
+use super::raster::Raster;
+use crate::effects::layer::Layer;
 use kurbo::{Affine, Point};
+use std::sync::Arc;
 
 /// A uniform sheet of colour: what it adds, and how much of what lies behind still shows.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -123,6 +126,9 @@ fn srgb_of_linear(v: f32) -> f32 {
 pub(crate) enum Paint {
     Flat(Sheet),
     Gradient(Box<Gradient>),
+    Raster(Arc<Raster>),
+    /// A raster that is made already, moved by whole pixels into the picture.
+    Layer(Arc<Layer>, (i32, i32)),
 }
 
 impl Paint {
@@ -136,6 +142,8 @@ impl Paint {
         match self {
             Paint::Flat(sheet) => sheet.through() >= 1.0,
             Paint::Gradient(gradient) => gradient.stops.iter().all(|stop| stop.color[3] <= 0.0),
+            Paint::Raster(raster) => raster.opacity <= 0.0,
+            Paint::Layer(..) => false,
         }
     }
 
@@ -144,6 +152,20 @@ impl Paint {
         match self {
             Paint::Flat(sheet) => sheet.is_opaque(),
             Paint::Gradient(gradient) => gradient.opaque,
+            Paint::Raster(_) | Paint::Layer(..) => false,
+        }
+    }
+
+    /// Moves what it looks like with the shape.
+    pub fn transform(&mut self, by: Affine) {
+        match self {
+            Paint::Flat(_) => {}
+            Paint::Gradient(gradient) => gradient.transform = by * gradient.transform,
+            Paint::Raster(raster) => {
+                let raster = Arc::make_mut(raster);
+                raster.transform = by * raster.transform;
+            }
+            Paint::Layer(..) => unreachable!("layers lie where their pixels are"),
         }
     }
 
@@ -155,6 +177,8 @@ impl Paint {
                 gradient.stops.iter_mut().for_each(|stop| stop.color[3] *= opacity);
                 gradient.opaque = false;
             }
+            Paint::Raster(raster) => Arc::make_mut(raster).opacity *= opacity,
+            Paint::Layer(..) => unreachable!("layers are made of what has faded"),
         }
     }
 }
@@ -253,13 +277,13 @@ impl Gradient {
     }
 
     /// Ready to be asked for colours at points in pixels.
-    pub fn shader(&self, to_pixels: Affine) -> Shader<'_> {
+    pub fn shader(&self, to_pixels: Affine) -> GradientShader<'_> {
         let to_plane = (to_pixels * self.transform).inverse();
         let to_plane = match self.shape {
             GradientShape::Linear(map) => map * to_plane,
             GradientShape::Radial { .. } => to_plane,
         };
-        Shader { gradient: self, to_plane }
+        GradientShader { gradient: self, to_plane }
     }
 
     /// The colour map at a parameter already spread into 0 ..= 1: straight RGBA.
@@ -278,15 +302,45 @@ impl Gradient {
     }
 }
 
+/// Paint that differs from place to place, at a picture's scale.
+#[derive(Clone, Debug)]
+pub(crate) enum Shader<'a> {
+    Gradient(GradientShader<'a>),
+    /// A layer, moved by whole pixels.
+    Layer(Arc<Layer>, (i32, i32)),
+}
+
+impl Shader<'_> {
+    /// The colour at a point in pixels.
+    #[inline]
+    pub fn at(&self, x: f64, y: f64) -> Sheet {
+        match self {
+            Shader::Gradient(gradient) => gradient.at(x, y),
+            Shader::Layer(layer, (dx, dy)) => {
+                let [r, g, b, alpha] = layer.pixel(x.floor() as i32 - dx, y.floor() as i32 - dy);
+                Sheet::from_channels([r, g, b, 1.0 - alpha])
+            }
+        }
+    }
+
+    /// A sheet that lets no less light through than the paint does anywhere.
+    pub fn least(&self) -> Sheet {
+        match self {
+            Shader::Gradient(gradient) => gradient.least(),
+            Shader::Layer(..) => Sheet::CLEAR,
+        }
+    }
+}
+
 /// A gradient at a picture's scale.
 #[derive(Clone, Debug)]
-pub(crate) struct Shader<'a> {
+pub(crate) struct GradientShader<'a> {
     gradient: &'a Gradient,
     /// From pixels to the gradient's plane.
     to_plane: Affine,
 }
 
-impl Shader<'_> {
+impl GradientShader<'_> {
     /// The colour at a point in pixels; clear where a radial gradient has none.
     pub fn at(&self, x: f64, y: f64) -> Sheet {
         let Some(t) = self.parameter(self.to_plane * Point::new(x, y)) else {

@@ -43,7 +43,7 @@ pub(super) fn contours(geometry: &Geometry, viewport: &Viewport, tolerance: f64)
     let path = bez_path(&geometry.path);
     let mut rings = Rings(Vec::new());
     match &geometry.outline {
-        Outline::Fill(_) => {
+        Outline::Fill(_) | Outline::Pixels => {
             kurbo::flatten(transform * path, CHORD_SHARE * tolerance, |element| match element {
                 PathEl::MoveTo(p) => rings.move_to(p),
                 PathEl::LineTo(p) => rings.line_to(p),
@@ -69,7 +69,7 @@ pub(super) fn contours(geometry: &Geometry, viewport: &Viewport, tolerance: f64)
         .collect();
     let rule = match geometry.outline {
         Outline::Fill(rule) => rule,
-        Outline::Stroke(_) => FillRule::NonZero,
+        Outline::Stroke(_) | Outline::Pixels => FillRule::NonZero,
     };
     if geometry.crisp {
         pixels(&contours, rule, viewport.height)

@@ -77,6 +77,7 @@ pub(super) fn paint(
             "the method beam makes pictures of up to {MOST_PIXELS} pixels, not {width} x {height}: use exact"
         )));
     }
+    scene.refuse_rasters("beam")?;
     let sheet_of = |[r, g, b, a]: [u8; 4]| {
         let unit = |v: u8| f32::from(v) / 255.0;
         Sheet::new([r, g, b].map(unit), unit(a))
@@ -84,7 +85,8 @@ pub(super) fn paint(
     let background = settings.background.map_or(Sheet::CLEAR, sheet_of);
     let shader = |paint| match paint {
         &Paint::Flat(_) => None,
-        Paint::Gradient(gradient) => Some(gradient.shader(viewport.transform)),
+        Paint::Gradient(gradient) => Some(Shader::Gradient(gradient.shader(viewport.transform))),
+        Paint::Raster(_) | Paint::Layer(..) => unreachable!("refused above"),
     };
     let shaders: Vec<Option<Shader>> = scene.shapes.iter().map(|shape| shader(&shape.paint)).collect();
     let around = Around { shaders: &shaders, background };
@@ -200,7 +202,7 @@ impl Tracer<'_> {
     fn region(&mut self, geometry: &Geometry) -> Result<Region, Error> {
         let rule = match geometry.outline {
             Outline::Fill(rule) => rule,
-            Outline::Stroke(_) => FillRule::NonZero,
+            Outline::Stroke(_) | Outline::Pixels => FillRule::NonZero,
         };
         Region::new(&contours(geometry, self.viewport, self.tolerance), rule, &mut self.work)
     }
@@ -271,7 +273,7 @@ impl Front {
     fn push(&mut self, paint: &Paint, number: u32) {
         match paint {
             Paint::Flat(sheet) => self.push_sheet(*sheet),
-            Paint::Gradient(_) => self.items.push(Item::Gradient(number)),
+            _ => self.items.push(Item::Gradient(number)),
         }
         self.hidden = paint.is_opaque();
     }

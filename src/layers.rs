@@ -1,0 +1,304 @@
+//! Takes a scene and a viewport, makes what its shapes are shaded with: gradients as they are, and a
+//! layer of pixels for each group under a filter, a mask or a blend mode, and for each pattern.
+//!
+//! A layer's content goes through the same renderer, at the picture's own pixels; the layer then is
+//! the paint of a shape like any other. A scene of flat paint makes nothing here.
+
+use crate::effects::blend::blend;
+use crate::effects::filter::{self, Canvas, Job};
+use crate::effects::highlights::Highlights;
+use crate::effects::layer::{IntRect, Layer, Pixel, Space, CLEAR};
+use crate::effects::mask;
+use crate::scene::paint::{Paint, Shader};
+use crate::scene::raster::{Mask, Raster, RasterGroup, Source};
+use crate::scene::{Clip, ClipMember, FillRule, Geometry, Outline, Scene, Shape};
+use crate::{Error, Renderer, Settings, Viewport};
+use kurbo::{Affine, Point, Rect, Vec2};
+use std::sync::Arc;
+
+/// Pixels of all layers of one scene: 4 GB.
+const MOST_PIXELS: u64 = 1 << 28;
+
+/// Tiles of a pattern that are drawn one by one; more of them are copies of one tile's pixels.
+const MOST_TILES: f64 = 1024.0;
+
+/// A tile that is copied is made in no more pixels than this a side.
+const LARGEST_TILE: f64 = 2048.0;
+
+/// The shader of every shape that has one; empty for a scene of flat paint.
+///
+/// # Errors
+/// [`Error::Limit`] when layers would hold too many pixels.
+pub(crate) fn shaders<'a>(
+    scene: &'a Scene,
+    viewport: &Viewport,
+    settings: &Settings,
+) -> Result<Vec<Option<Shader<'a>>>, Error> {
+    if scene.shapes.iter().all(|shape| matches!(shape.paint, Paint::Flat(_))) {
+        return Ok(Vec::new());
+    }
+    let mut artist = Artist { scene, viewport, settings, pixels: 0 };
+    let mut shaders = Vec::with_capacity(scene.shapes.len());
+    for shape in &scene.shapes {
+        let shader = match &shape.paint {
+            Paint::Flat(_) => None,
+            Paint::Gradient(gradient) => Some(Shader::Gradient(gradient.shader(viewport.transform))),
+            Paint::Layer(layer, by) => Some(Shader::Layer(layer.clone(), *by)),
+            Paint::Raster(raster) => {
+                Some(Shader::Layer(Arc::new(artist.layer(raster, shape, &shaders)?), (0, 0)))
+            }
+        };
+        shaders.push(shader);
+    }
+    Ok(shaders)
+}
+
+/// Makes the layers of one scene.
+struct Artist<'a> {
+    scene: &'a Scene,
+    viewport: &'a Viewport,
+    settings: &'a Settings,
+    /// Pixels of the layers so far.
+    pixels: u64,
+}
+
+impl Artist<'_> {
+    /// The layer of one shape; `before` has the shaders of those below it.
+    fn layer(&mut self, raster: &Raster, shape: &Shape, before: &[Option<Shader>]) -> Result<Layer, Error> {
+        let to_pixels = self.viewport.transform * raster.transform;
+        let picture = IntRect::new(0, 0, self.viewport.width, self.viewport.height);
+        let bounds = match raster.source {
+            Source::Group(_) => to_pixels.transform_rect_bbox(raster.bounds),
+            // A pattern is seen as far as its shape goes.
+            Source::Tiles(..) => crate::outlines::bounds_in_pixels(&shape.geometry, self.viewport),
+        };
+        let rect = IntRect::around(bounds).intersect(picture);
+        self.pixels += rect.area();
+        if self.pixels > MOST_PIXELS {
+            return Err(Error::Limit(format!(
+                "filters, masks and patterns would hold more than {MOST_PIXELS} pixels (render a smaller picture)"
+            )));
+        }
+        let mut layer = match &raster.source {
+            Source::Group(group) => self.group(group, to_pixels, rect)?,
+            Source::Tiles(tile, place) => self.tiles((tile, *place), to_pixels, rect)?,
+        };
+        if let Source::Group(RasterGroup { blend_mode, .. }) = raster.source {
+            if blend_mode != usvg::BlendMode::Normal {
+                self.blend(blend_mode, &mut layer, before)?;
+            }
+        }
+        if raster.opacity < 1.0 {
+            let opacity = raster.opacity;
+            layer.pixels_mut().iter_mut().flatten().for_each(|v| *v *= opacity);
+        }
+        Ok(layer)
+    }
+
+    /// Draws a scene over a rectangle of pixels.
+    fn draw(&self, scene: &Scene, to_pixels: Affine, rect: IntRect) -> Result<Layer, Error> {
+        if rect.is_empty() || scene.shapes.is_empty() {
+            return Ok(Layer::clear(rect, Space::Srgb));
+        }
+        let corner = Vec2::new(f64::from(rect.x()), f64::from(rect.y()));
+        let viewport = Viewport {
+            width: rect.width() as u32,
+            height: rect.height() as u32,
+            transform: Affine::translate(-corner) * to_pixels,
+        };
+        let settings = Settings { background: None, threads: 1, stage_times: false, ..self.settings.clone() };
+        let picture = Renderer::new(settings)?.render(scene, &viewport)?;
+        Ok(Layer::from_rgba8(rect, picture.data()))
+    }
+
+    fn group(&self, group: &RasterGroup, to_pixels: Affine, rect: IntRect) -> Result<Layer, Error> {
+        let mut layer = match group.filters.is_empty() {
+            true => self.draw(&group.content, to_pixels, rect)?,
+            false => self.filtered(group, to_pixels, rect)?,
+        };
+        if let Some(mask) = &group.mask {
+            self.mask(mask, to_pixels, layer.rect())?.apply(&mut layer);
+        }
+        Ok(layer)
+    }
+
+    fn filtered(&self, group: &RasterGroup, to_pixels: Affine, rect: IntRect) -> Result<Layer, Error> {
+        let Some(canvas) = Canvas::new(to_pixels) else {
+            return Ok(Layer::clear(rect, Space::Srgb));
+        };
+        let regions = filter::regions(&group.filters, canvas.to_canvas, canvas.rect_of(rect));
+        let source = self.draw(&group.content, canvas.to_canvas, regions[0])?;
+        let mut draw = |content: &usvg::Group, to_pixels: Affine, rect: IntRect| {
+            self.draw(&Scene::from_group(content)?, to_pixels, rect)
+        };
+        let mut job = Job { to_canvas: canvas.to_canvas, highlights: Highlights::AsIs, draw: &mut draw };
+        let layer = filter::apply(&group.filters, &regions, source, &mut job)?;
+        Ok(canvas.shown(layer, rect))
+    }
+
+    fn mask(&self, mask: &Mask, to_pixels: Affine, rect: IntRect) -> Result<mask::Mask, Error> {
+        let layer = self.draw(&mask.content, to_pixels, rect)?;
+        let mut made = mask::Mask::of(layer, mask.kind.into());
+        // Whose edges are smooth, as a clip's are.
+        let window = self.draw(&Scene::of_rect(mask.rect), to_pixels, rect)?;
+        made.intersect(&mask::Mask::of(window, mask::Kind::Alpha));
+        if let Some(within) = &mask.within {
+            made.intersect(&self.mask(within, to_pixels, rect)?);
+        }
+        Ok(made)
+    }
+
+    /// Gives each pixel the colour with which, painted over what lies below, it comes out as the blend
+    /// of both.
+    fn blend(
+        &self,
+        mode: usvg::BlendMode,
+        layer: &mut Layer,
+        before: &[Option<Shader>],
+    ) -> Result<(), Error> {
+        let rect = layer.rect();
+        let mut below = self.scene.with_shapes(self.scene.shapes[..before.len()].to_vec());
+        for (shape, shader) in below.shapes.iter_mut().zip(before) {
+            if let Some(Shader::Layer(made, (dx, dy))) = shader {
+                shape.paint = Paint::Layer(made.clone(), (dx - rect.x(), dy - rect.y()));
+            }
+        }
+        let mut backdrop = self.draw(&below, self.viewport.transform, rect)?;
+        if let Some([r, g, b, a]) = self.settings.background {
+            let behind = Layer::from_rgba8(IntRect::new(0, 0, 1, 1), &[r, g, b, a]).pixel(0, 0);
+            for pixel in backdrop.pixels_mut() {
+                *pixel = crate::effects::blend::over(*pixel, behind);
+            }
+        }
+        for (source, &behind) in layer.pixels_mut().iter_mut().zip(backdrop.pixels()) {
+            let alpha = source[3];
+            let blended = blend(mode.into(), *source, behind);
+            let own = |i: usize| (blended[i] - (1.0 - alpha) * behind[i]).clamp(0.0, alpha);
+            *source = [own(0), own(1), own(2), alpha];
+        }
+        Ok(())
+    }
+
+    fn tiles(&self, (tile, place): (&Scene, Rect), to_pixels: Affine, rect: IntRect) -> Result<Layer, Error> {
+        if to_pixels.determinant() == 0.0 || !to_pixels.is_finite() || rect.is_empty() {
+            return Ok(Layer::clear(rect, Space::Srgb));
+        }
+        // The tiles that are seen, by column and row.
+        let seen = to_pixels.inverse().transform_rect_bbox(rect.to_rect());
+        let columns =
+            ((seen.x0 - place.x0) / place.width()).floor()..((seen.x1 - place.x0) / place.width()).ceil();
+        let rows =
+            ((seen.y0 - place.y0) / place.height()).floor()..((seen.y1 - place.y0) / place.height()).ceil();
+        let count = (columns.end - columns.start) * (rows.end - rows.start);
+        let shapes = (tile.shapes.len() as f64).max(1.0);
+        if count * shapes <= MOST_TILES * 16.0 && count <= MOST_TILES {
+            let mut plane = tile.with_shapes(Vec::new());
+            plane.clips.clear();
+            for row in rows.start as i64..rows.end as i64 {
+                for column in columns.start as i64..columns.end as i64 {
+                    let by = Vec2::new(column as f64 * place.width(), row as f64 * place.height());
+                    add_tile(&mut plane, tile, place, by);
+                }
+            }
+            return self.draw(&plane, to_pixels, rect);
+        }
+        self.copied((tile, place), to_pixels, rect)
+    }
+
+    /// Copies of one tile's pixels, or its mean colour where it is smaller than a pixel.
+    fn copied(
+        &self,
+        (tile, place): (&Scene, Rect),
+        to_pixels: Affine,
+        rect: IntRect,
+    ) -> Result<Layer, Error> {
+        let [a, b, c, d, ..] = to_pixels.as_coeffs();
+        let side = |scale: f64, length: f64| (scale * length).ceil().clamp(1.0, LARGEST_TILE);
+        let (width, height) = (side(a.hypot(b), place.width()), side(c.hypot(d), place.height()));
+        let to_tile = Affine::scale_non_uniform(width / place.width(), height / place.height())
+            * Affine::translate(-place.origin().to_vec2());
+        let pixels = self.draw(tile, to_tile, IntRect::new(0, 0, width as u32, height as u32))?;
+        let back = to_tile * to_pixels.inverse();
+        let [ba, bb, bc, bd, ..] = back.as_coeffs();
+        let is_tiny = ba.hypot(bb) >= width || bc.hypot(bd) >= height;
+        let mean = mean_of(pixels.pixels());
+        let mut layer = Layer::clear(rect, Space::Srgb);
+        for (i, pixel) in layer.pixels_mut().iter_mut().enumerate() {
+            let (column, row) = (i % rect.width(), i / rect.width());
+            let at =
+                Point::new(f64::from(rect.x()) + column as f64 + 0.5, f64::from(rect.y()) + row as f64 + 0.5);
+            *pixel = if is_tiny { mean } else { wrapped(&pixels, back * at) };
+        }
+        Ok(layer)
+    }
+}
+
+/// Bilinear between the pixels of a tile that repeats.
+fn wrapped(tile: &Layer, at: Point) -> Pixel {
+    let (x, y) = (at.x - 0.5, at.y - 0.5);
+    let (right, below) = ((x - x.floor()) as f32, (y - y.floor()) as f32);
+    let pixel = |dx: i64, dy: i64| {
+        let column = (x.floor() as i64).saturating_add(dx).rem_euclid(tile.rect().width() as i64);
+        let row = (y.floor() as i64).saturating_add(dy).rem_euclid(tile.rect().height() as i64);
+        tile.pixel(column as i32, row as i32)
+    };
+    let (one, two, three, four) = (pixel(0, 0), pixel(1, 0), pixel(0, 1), pixel(1, 1));
+    std::array::from_fn(|i| {
+        let upper = one[i] + (two[i] - one[i]) * right;
+        let lower = three[i] + (four[i] - three[i]) * right;
+        upper + (lower - upper) * below
+    })
+}
+
+fn mean_of(pixels: &[Pixel]) -> Pixel {
+    let mut sums = [0.0f64; 4];
+    for pixel in pixels {
+        sums.iter_mut().zip(pixel).for_each(|(sum, &v)| *sum += f64::from(v));
+    }
+    match pixels.len() {
+        0 => CLEAR,
+        count => sums.map(|sum| (sum / count as f64) as f32),
+    }
+}
+
+/// Adds a tile, moved, and clipped to its own place.
+fn add_tile(plane: &mut Scene, tile: &Scene, place: Rect, by: Vec2) {
+    let moved = Affine::translate(by);
+    let window = plane.clips.len() as u32;
+    let geometry = Geometry::of_rect(place, moved);
+    plane.clips.push(Clip { members: vec![ClipMember { geometry, clip: None }], within: Vec::new() });
+    let first = plane.clips.len() as u32;
+    for clip in &tile.clips {
+        let mut clip = clip.clone();
+        for member in &mut clip.members {
+            member.geometry.transform = moved * member.geometry.transform;
+            member.clip = member.clip.map(|clip| clip + first);
+        }
+        clip.within.iter_mut().for_each(|within| *within += first);
+        clip.within.push(window);
+        plane.clips.push(clip);
+    }
+    for shape in &tile.shapes {
+        let mut shape = shape.clone();
+        shape.geometry.transform = moved * shape.geometry.transform;
+        shape.clip = Some(shape.clip.map_or(window, |clip| clip + first));
+        shape.paint.transform(moved);
+        plane.shapes.push(shape);
+    }
+}
+
+impl Geometry {
+    /// The inside of a rectangle.
+    pub fn of_rect(rect: Rect, transform: Affine) -> Geometry {
+        let (left, top) = (rect.x0 as f32, rect.y0 as f32);
+        let (right, bottom) = (rect.x1 as f32, rect.y1 as f32);
+        let mut path = usvg::tiny_skia_path::PathBuilder::new();
+        path.move_to(left, top);
+        path.line_to(right, top);
+        path.line_to(right, bottom);
+        path.line_to(left, bottom);
+        path.close();
+        let path = Arc::new(path.finish().expect("four points make a path"));
+        Geometry { path, transform, outline: Outline::Fill(FillRule::NonZero), crisp: false }
+    }
+}

@@ -1,0 +1,49 @@
+//! What of a drawing is not geometry: groups under filters, masks and blend modes, and patterns. They
+//! are kept as scenes of their own, to be made into layers of pixels at a picture's scale
+//! ([`crate::layers`]).
+
+use super::Scene;
+use kurbo::{Affine, Rect};
+use std::sync::Arc;
+use usvg::filter::Filter;
+
+/// Paint that is a picture.
+#[derive(Clone, Debug)]
+pub(crate) struct Raster {
+    pub source: Source,
+    /// From the source's coordinates to the scene's user units.
+    pub transform: Affine,
+    /// All that it may paint, in the source's coordinates.
+    pub bounds: Rect,
+    pub opacity: f32,
+}
+
+/// Where the pixels come from.
+#[derive(Clone, Debug)]
+pub(crate) enum Source {
+    Group(RasterGroup),
+    /// A tile, its rectangle in the source's coordinates, repeated over the plane.
+    Tiles(Scene, Rect),
+}
+
+/// A group whose pixels are worked on as pixels.
+#[derive(Clone, Debug)]
+pub(crate) struct RasterGroup {
+    pub content: Scene,
+    /// Applied first, one after the other.
+    pub filters: Vec<Arc<Filter>>,
+    pub mask: Option<Mask>,
+    /// How it meets what lies below it in its scene.
+    pub blend_mode: usvg::BlendMode,
+}
+
+/// What shows of a group, in the group's own coordinates.
+#[derive(Clone, Debug)]
+pub(crate) struct Mask {
+    pub content: Scene,
+    /// Nothing shows beyond.
+    pub rect: Rect,
+    pub kind: usvg::MaskType,
+    /// A mask on the mask.
+    pub within: Option<Box<Mask>>,
+}
