@@ -1,5 +1,5 @@
 //! Takes a scene and a viewport, makes what its shapes are shaded with: gradients as they are, and a
-//! layer of pixels for each group under a filter, a mask or a blend mode, and for each pattern.
+//! layer of pixels for each group under a filter, a mask or a blend mode, each pattern and each image.
 //!
 //! A layer's content goes through the same renderer, at the picture's own pixels; the layer then is
 //! the paint of a shape like any other. A scene of flat paint makes nothing here.
@@ -12,7 +12,7 @@ use crate::effects::mask;
 use crate::scene::paint::{Paint, Shader};
 use crate::scene::raster::{Mask, Raster, RasterGroup, Source};
 use crate::scene::{Clip, ClipMember, FillRule, Geometry, Outline, Scene, Shape};
-use crate::{Error, Renderer, Settings, Viewport};
+use crate::{texture, Error, Renderer, Settings, Viewport};
 use kurbo::{Affine, Point, Rect, Vec2};
 use std::sync::Arc;
 
@@ -68,7 +68,7 @@ impl Artist<'_> {
         let to_pixels = self.viewport.transform * raster.transform;
         let picture = IntRect::new(0, 0, self.viewport.width, self.viewport.height);
         let bounds = match raster.source {
-            Source::Group(_) => to_pixels.transform_rect_bbox(raster.bounds),
+            Source::Group(_) | Source::Image { .. } => to_pixels.transform_rect_bbox(raster.bounds),
             // A pattern is seen as far as its shape goes.
             Source::Tiles(..) => crate::outlines::bounds_in_pixels(&shape.geometry, self.viewport),
         };
@@ -81,6 +81,7 @@ impl Artist<'_> {
         }
         let mut layer = match &raster.source {
             Source::Group(group) => self.group(group, to_pixels, rect)?,
+            Source::Image { pixels, nearest } => texture::drawn(pixels, to_pixels, rect, *nearest),
             Source::Tiles(tile, place) => self.tiles((tile, *place), to_pixels, rect)?,
         };
         if let Source::Group(RasterGroup { blend_mode, .. }) = raster.source {

@@ -8,6 +8,7 @@
 //! | [`render`] | [`Scene`] + [`Viewport`] + [`Settings`] → pixel rows; the only file that knows the order of the stages |
 //! | [`methods`] | which way of anti-aliasing → who paints |
 //! | `layers` | filters, masks, blend modes, patterns → layers of pixels that shapes are painted with |
+//! | `texture` | an image at a scale → a layer |
 //! | `outlines` | scene + viewport → outlines with bounds, sorted into bands; flattened when first needed |
 //! | `pen`, `polygons` | strokes → outlines; curves → chords |
 //! | `edges` | polygons → edges in fixed point, sorted in y |
@@ -56,6 +57,8 @@ pub mod render;
 pub mod methods;
 
 mod layers;
+
+mod texture;
 
 mod outlines;
 

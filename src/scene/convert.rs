@@ -4,6 +4,7 @@
 use super::paint::{Gradient, GradientShape, Paint, Spread, Stop};
 use super::raster::{Mask, Raster, RasterGroup, Source};
 use super::{Clip, ClipId, ClipMember, FillRule, Geometry, Group, GroupId, Outline, Scene, Shape, Warning};
+use crate::effects::layer::{IntRect, Layer};
 use crate::Error;
 use kurbo::{Affine, Rect, Size};
 use std::collections::HashMap;
@@ -95,10 +96,8 @@ impl Walk {
                 Ok(())
             }
             usvg::Node::Text(text) => self.group(text.flattened(), place),
-            usvg::Node::Image(image) => {
-                self.warn("images", image.id());
-                Ok(())
-            }
+            usvg::Node::Image(image) if image.is_visible() => self.image(image, place),
+            usvg::Node::Image(_) => Ok(()),
         }
     }
 
@@ -132,6 +131,32 @@ impl Walk {
                 self.groups.pop();
             }
         }
+        Ok(())
+    }
+
+    fn image(&mut self, image: &usvg::Image, place: Place) -> Result<(), Error> {
+        use usvg::ImageKind::{GIF, JPEG, PNG, SVG, WEBP};
+        let bytes = match image.kind() {
+            SVG(tree) => return self.group(tree.root(), place),
+            JPEG(bytes) | PNG(bytes) | GIF(bytes) | WEBP(bytes) => bytes,
+        };
+        let Some(pixels) = decoded(bytes) else {
+            self.warn("images", image.id());
+            return Ok(());
+        };
+        let (width, height) = (pixels.rect().width() as f64, pixels.rect().height() as f64);
+        let bounds = Rect::new(0.0, 0.0, width, height);
+        let nearest = matches!(
+            image.rendering_mode(),
+            usvg::ImageRendering::OptimizeSpeed
+                | usvg::ImageRendering::CrispEdges
+                | usvg::ImageRendering::Pixelated
+        );
+        let source = Source::Image { pixels: Arc::new(pixels), nearest };
+        let raster = Raster { source, transform: place.transform, bounds, opacity: 1.0 };
+        let geometry = Geometry::of_rect(bounds, place.transform);
+        let paint = Paint::Raster(Arc::new(raster));
+        self.shapes.push(Shape { geometry, paint, clip: place.clip, group: place.group });
         Ok(())
     }
 
@@ -345,6 +370,17 @@ fn blends_inside(group: &usvg::Group) -> bool {
         }
         _ => false,
     })
+}
+
+/// An image's pixels; `None` when its bytes are no image, or one of more than a hundred million pixels.
+fn decoded(bytes: &[u8]) -> Option<Layer> {
+    const MOST_BYTES: u64 = 512 << 20;
+    let mut reader = image::ImageReader::new(std::io::Cursor::new(bytes)).with_guessed_format().ok()?;
+    let mut limits = image::Limits::default();
+    limits.max_alloc = Some(MOST_BYTES);
+    reader.limits(limits);
+    let pixels = reader.decode().ok()?.into_rgba8();
+    Some(Layer::from_rgba8(IntRect::new(0, 0, pixels.width(), pixels.height()), &pixels))
 }
 
 fn rect(rect: usvg::NonZeroRect) -> Rect {

@@ -1,13 +1,13 @@
 //! Takes the bytes of an SVG or svgz, makes the tree that usvg parses from it.
 //!
 //! Promises: bounded memory and time whatever the bytes are (see [`Limits`] and `guard`), no panic,
-//! no stack overflow, no file or network access besides the fonts; fonts are asked for only if the
-//! drawing has text. Images are neither opened nor decoded: each stays in the tree as a node of the
-//! right place, so that it can be reported.
+//! no stack overflow, no network access, no files besides fonts and the images that the drawing names;
+//! fonts are asked for only if the drawing has text. Images are not decoded here.
 
 mod arcs;
 mod decode;
 mod guard;
+mod images;
 mod links;
 
 use crate::{Error, Options, Warning};
@@ -190,7 +190,7 @@ fn parser_failed(panic: &(dyn std::any::Any + Send)) -> Error {
     Error::Parse(format!("the SVG parser failed on this drawing: {}", why.lines().next().unwrap_or("")))
 }
 
-/// The caller's options for usvg, with fonts if they are needed and with images left closed.
+/// The caller's options for usvg, with fonts if they are needed.
 fn usvg_options<'a>(options: &'a Options, has_text: bool, unmatched: &'a Unmatched) -> usvg::Options<'a> {
     let given = &options.usvg;
     let fontdb =
@@ -205,7 +205,7 @@ fn usvg_options<'a>(options: &'a Options, has_text: bool, unmatched: &'a Unmatch
         text_rendering: given.text_rendering,
         image_rendering: given.image_rendering,
         default_size: given.default_size,
-        image_href_resolver: closed_images(),
+        image_href_resolver: images::resolver(&options.limits),
         font_resolver: usvg::FontResolver {
             select_font: Box::new(|font, fonts| {
                 let found = (given.font_resolver.select_font)(font, fonts);
@@ -230,25 +230,4 @@ fn note_unmatched(font: &usvg::Font, unmatched: &Unmatched) {
     let families: Vec<String> = font.families().iter().map(ToString::to_string).collect();
     let element = format!("text in font-family {}", families.join(", "));
     warnings.push(Warning { kind: "texts without a font", element, count: 1 });
-}
-
-/// Keeps image elements in the tree without opening a file, a nested SVG or a decoder: a link may
-/// name a device that never ends, or the drawing itself.
-fn closed_images() -> usvg::ImageHrefResolver<'static> {
-    usvg::ImageHrefResolver {
-        resolve_data: Box::new(|mime, data, _| match mime {
-            "image/jpg" | "image/jpeg" => Some(usvg::ImageKind::JPEG(data)),
-            "image/png" => Some(usvg::ImageKind::PNG(data)),
-            "image/gif" => Some(usvg::ImageKind::GIF(data)),
-            "image/webp" => Some(usvg::ImageKind::WEBP(data)),
-            _ => Some(placeholder()),
-        }),
-        resolve_string: Box::new(|_, _| Some(placeholder())),
-    }
-}
-
-/// Stands for a picture which was not opened: the header of a PNG of one pixel.
-fn placeholder() -> usvg::ImageKind {
-    const HEADER: &[u8] = b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\0\x01\0\0\0\x01\x08\x06\0\0\0\x1f\x15\xc4\x89";
-    usvg::ImageKind::PNG(Arc::new(HEADER.to_vec()))
 }

@@ -3,6 +3,7 @@
 //! ([`crate::layers`]).
 
 use super::Scene;
+use crate::effects::layer::Layer;
 use kurbo::{Affine, Rect};
 use std::sync::Arc;
 use usvg::filter::Filter;
@@ -22,6 +23,11 @@ pub(crate) struct Raster {
 #[derive(Clone, Debug)]
 pub(crate) enum Source {
     Group(RasterGroup),
+    /// An image, whose pixels are unit squares from the origin on; smooth, or each sample a square.
+    Image {
+        pixels: Arc<Layer>,
+        nearest: bool,
+    },
     /// A tile, its rectangle in the source's coordinates, repeated over the plane.
     Tiles(Scene, Rect),
 }
