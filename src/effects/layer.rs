@@ -94,10 +94,10 @@ impl IntRect {
             return self;
         }
         IntRect::from_edges(
-            i64::from(self.x) - columns,
-            i64::from(self.y) - rows,
-            i64::from(self.right()) + columns,
-            i64::from(self.bottom()) + rows,
+            i64::from(self.x).saturating_sub(columns),
+            i64::from(self.y).saturating_sub(rows),
+            i64::from(self.right()).saturating_add(columns),
+            i64::from(self.bottom()).saturating_add(rows),
         )
     }
 
@@ -324,9 +324,12 @@ impl Layer {
         resampled
     }
 
-    /// Bilinear: whole numbers are pixels' centres.
+    /// Bilinear: whole numbers are pixels' centres. Clear at what is no number.
     #[inline]
     pub fn between(&self, x: f64, y: f64) -> Pixel {
+        if !(x.is_finite() && y.is_finite()) {
+            return CLEAR;
+        }
         let (left, top) = (x.floor(), y.floor());
         let (right_share, bottom_share) = ((x - left) as f32, (y - top) as f32);
         // Saturating casts: what is far off stays far off.

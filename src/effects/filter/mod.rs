@@ -70,7 +70,7 @@ pub(crate) fn apply(
     job: &mut Job,
 ) -> Result<Layer, Error> {
     for (filter, &region) in filters.iter().zip(regions) {
-        layer = Run::new(filter, region, layer.over_rect(region))?.run(job)?;
+        layer = Run::new(filter, region, &layer)?.run(job)?;
     }
     Ok(layer.into_space(Space::Srgb))
 }
@@ -107,7 +107,7 @@ struct Run<'a> {
 }
 
 impl<'a> Run<'a> {
-    fn new(filter: &'a Filter, region: IntRect, source: Layer) -> Result<Run<'a>, Error> {
+    fn new(filter: &'a Filter, region: IntRect, source: &Layer) -> Result<Run<'a>, Error> {
         let primitives = filter.primitives();
         let origins: Vec<Vec<Origin>> = (0..primitives.len())
             .map(|number| {
@@ -125,16 +125,7 @@ impl<'a> Run<'a> {
                 }
             }
         }
-        let run = Run {
-            filter,
-            region,
-            source: Rc::new(source),
-            source_alpha: None,
-            origins,
-            last_use,
-            results: vec![None; primitives.len()],
-        };
-        let held = region.area().saturating_mul(run.most_results() as u64);
+        let held = region.area().saturating_mul(most_layers(&last_use) as u64);
         if held > MOST_PIXELS_HELD {
             return Err(Error::Limit(format!(
                 "the filter '{}' has to hold {held} pixels at once, more than {MOST_PIXELS_HELD} \
@@ -142,13 +133,15 @@ impl<'a> Run<'a> {
                 filter.id()
             )));
         }
-        Ok(run)
-    }
-
-    /// Layers at once, at most: results in use, the source, its alpha, and two being worked on.
-    fn most_results(&self) -> usize {
-        let in_use = |now: usize| (0..now).filter(|&of| self.last_use[of] >= now).count();
-        4 + (0..self.last_use.len()).map(in_use).max().unwrap_or(0)
+        Ok(Run {
+            filter,
+            region,
+            source: Rc::new(source.over_rect(region)),
+            source_alpha: None,
+            origins,
+            last_use,
+            results: vec![None; primitives.len()],
+        })
     }
 
     fn run(mut self, job: &mut Job) -> Result<Layer, Error> {
@@ -317,6 +310,20 @@ impl<'a> Run<'a> {
         let drawn = (job.draw)(fe.root(), Affine::new([sx, 0.0, 0.0, sy, x, y]), over)?;
         Ok(drawn.over_rect(self.region))
     }
+}
+
+/// Layers at once, at most: results in use, the source, its alpha, and two being worked on.
+fn most_layers(last_use: &[usize]) -> usize {
+    let (mut in_use, mut most) = (0usize, 0);
+    // Number 0 is in use from then on, until the last that looks at it is done.
+    let mut ends = vec![0usize; last_use.len() + 1];
+    for (number, &last) in last_use.iter().enumerate() {
+        in_use += 1;
+        ends[last.max(number)] += 1;
+        most = most.max(in_use);
+        in_use -= ends[number];
+    }
+    most + 4
 }
 
 /// Whole pixels of an offset: towards 0, as browsers' filters have it.
