@@ -150,6 +150,33 @@ pub(crate) fn energy_ratio(exponent: f32, along: f32, across: f32) -> f32 {
     energy(exponent) * energy(exponent + 1.0) / (energy(along) * energy(across + 1.0))
 }
 
+/// What aliases on the surfaces looked at.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Aliasing {
+    /// Pixels where the highlight, as it is, would be sampled too sparsely.
+    pub pixels: usize,
+    /// As many samples along a pixel's side would cure the worst of them.
+    pub sampling_rate: f32,
+}
+
+impl Aliasing {
+    /// Adds a surface's, by the limit of this way to treat highlights.
+    pub(super) fn add(&mut self, surface: &Surface, exponent: f32, highlights: Highlights) {
+        let band = band_of(highlights);
+        let limit = band.smallest_dot(exponent);
+        for row in 0..surface.rows() {
+            for column in 0..surface.width() {
+                let neighbours = Neighbours::of(surface, column, row);
+                let smallest = neighbours.smallest_dot(surface.normal(column, row));
+                if smallest < limit {
+                    self.pixels += 1;
+                    self.sampling_rate = self.sampling_rate.max(band.sampling_rate(exponent, smallest));
+                }
+            }
+        }
+    }
+}
+
 /// Phong's highlight on a surface.
 pub(super) struct Phong {
     exponent: f32,

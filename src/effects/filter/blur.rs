@@ -186,9 +186,10 @@ fn blur_smoothly(line: &mut [Step], deviation: f64) {
     let gathered: Vec<(Step, Step)> = (0..shares)
         .map(|share| {
             let (mut sum, mut moment) = (ZERO, ZERO);
-            for at in border(share)..border(share + 1) {
-                add(&mut sum, &line[at], 1.0);
-                add(&mut moment, &line[at], at as f32 + 0.5);
+            let first = border(share);
+            for (i, step) in line[first..border(share + 1)].iter().enumerate() {
+                add(&mut sum, step, 1.0);
+                add(&mut moment, step, (first + i) as f32 + 0.5);
             }
             (sum, moment)
         })

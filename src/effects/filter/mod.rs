@@ -14,9 +14,9 @@
 //! | `turbulence` | feTurbulence |
 //! | `lines` | rows and columns for what works along one axis |
 //!
-//! To run a group's filters: [`Canvas::new`] of its transform; [`regions`] for the canvas's part that
+//! To run a group's filters: [`region::Canvas::new`] of its transform; [`region::regions`] for the canvas's part that
 //! the picture shows; draw the group's content under `to_canvas` over the first region;
-//! [`apply`]; [`Canvas::shown`].
+//! [`apply`]; [`region::Canvas::shown`].
 
 mod blur;
 mod color;
@@ -32,9 +32,7 @@ mod turbulence;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use region::{regions, Canvas};
-
-use crate::effects::highlights::Highlights;
+use crate::effects::highlights::{Aliasing, Highlights};
 use crate::effects::layer::{pixel_of, IntRect, Layer, Pixel, Space};
 use crate::Error;
 use kurbo::{Affine, Rect};
@@ -49,16 +47,18 @@ pub(crate) type DrawContent<'a> = dyn FnMut(&usvg::Group, Affine, IntRect) -> Re
 
 /// What filters of one group have in common.
 pub(crate) struct Job<'a> {
-    /// From the group's user units to the canvas ([`Canvas::to_canvas`]).
+    /// From the group's user units to the canvas ([`region::Canvas::to_canvas`]).
     pub to_canvas: Affine,
     pub highlights: Highlights,
+    /// Where there is one, what aliases of the highlights, were they drawn as they are, is added to it.
+    pub aliasing: Option<Aliasing>,
     pub draw: &'a mut DrawContent<'a>,
 }
 
 /// Pixels of all results that are held at once: 2 GB.
 const MOST_PIXELS_HELD: u64 = 1 << 27;
 
-/// Runs a chain of filters, each over the region that [`regions`] gave it. The result is sRGB-encoded
+/// Runs a chain of filters, each over the region that [`region::regions`] gave it. The result is sRGB-encoded
 /// and lies over the last region.
 ///
 /// # Errors
@@ -242,9 +242,7 @@ impl<'a> Run<'a> {
                 turbulence::noise(fe, space, self.region, to_canvas, user_rect(primitive))
             }
             Kind::DiffuseLighting(fe) => light::diffuse(&self.input(number, 0).layer, fe, space, to_canvas),
-            Kind::SpecularLighting(fe) => {
-                light::specular(&self.input(number, 0).layer, fe, space, to_canvas, job.highlights)
-            }
+            Kind::SpecularLighting(fe) => light::specular(&self.input(number, 0).layer, fe, space, job),
             Kind::Image(fe) => self.image(fe, subregion, job)?,
         })
     }
