@@ -465,6 +465,58 @@ mod tests {
         }
     }
 
+    /// A cone's energy over all places of its apex within a pixel, as in [`energies`].
+    fn cone_energies(highlights: Highlights, exponent: f32) -> (f32, f32, f32) {
+        const SIDE: usize = 41;
+        let halfway = normalized([0.5, 0.2, 1.0]);
+        let phong = Phong::new(exponent, highlights);
+        let sums: Vec<f32> = (0..64)
+            .map(|phase| {
+                let apex = [20.0 + (phase % 8) as f32 / 8.0, 20.0 + (phase / 8) as f32 / 8.0];
+                let lean = |i: usize| {
+                    let (x, y) = ((i % SIDE) as f32 + 0.5 - apex[0], (i / SIDE) as f32 + 0.5 - apex[1]);
+                    let radius = (x * x + y * y).sqrt().max(1e-3);
+                    [0.5 * x / radius, 0.5 * y / radius]
+                };
+                let surface = Surface::leaning(SIDE, (0..SIDE * SIDE).map(lean).collect());
+                (0..SIDE * SIDE).map(|i| phong.at(&surface, i % SIDE, i / SIDE, halfway)).sum()
+            })
+            .collect();
+        let mean = sums.iter().sum::<f32>() / sums.len() as f32;
+        let bound = |choose: fn(f32, f32) -> f32| sums.iter().fold(sums[0], |a, &b| choose(a, b)) / mean;
+        (mean, bound(f32::min), bound(f32::max))
+    }
+
+    #[test]
+    fn a_clamped_cone_keeps_its_energy_and_flickers_less() {
+        let (aliased, least, most) = cone_energies(Highlights::AsIs, 128.0);
+        for highlights in [Highlights::Clamp, Highlights::Aggressive, Highlights::Supersample] {
+            let (clamped, least_clamped, most_clamped) = cone_energies(highlights, 128.0);
+            println!(
+                "cone {highlights:?}: flicker {:.4} -> {:.4}, energy {:.4}",
+                most - least,
+                most_clamped - least_clamped,
+                clamped / aliased
+            );
+            assert!((clamped / aliased - 1.0).abs() < 0.02, "{highlights:?}: {clamped} of {aliased}");
+        }
+    }
+
+    #[test]
+    fn the_aggressive_clamp_still_quiets_a_thin_cylinder() {
+        for (radius, exponent) in [(2.0, 128.0), (3.0, 128.0), (4.0, 100.0)] {
+            let (aliased, least, most) = energies(Highlights::AsIs, radius, exponent, 0.0);
+            let (clamped, least_clamped, most_clamped) =
+                energies(Highlights::Aggressive, radius, exponent, 0.0);
+            println!(
+                "aggressive radius {radius} exponent {exponent}: flicker {:.4} -> {:.4}, energy {:.4}",
+                most - least,
+                most_clamped - least_clamped,
+                clamped / aliased
+            );
+        }
+    }
+
     #[test]
     fn where_nothing_aliases_no_bit_changes() {
         let halfway = normalized([0.25, 0.1, 1.0]);
