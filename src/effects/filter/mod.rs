@@ -15,7 +15,7 @@
 //! | `lines` | rows and columns for what works along one axis |
 //!
 //! To run a group's filters: [`region::Canvas::new`] of its transform; [`region::regions`] for the canvas's part that
-//! the picture shows; draw the group's content under `to_canvas` over the first region;
+//! the picture shows; [`affordable`]; draw the group's content under `to_canvas` over the first region;
 //! [`apply`]; [`region::Canvas::shown`].
 
 mod blur;
@@ -69,10 +69,30 @@ pub(crate) fn apply(
     mut layer: Layer,
     job: &mut Job,
 ) -> Result<Layer, Error> {
+    affordable(filters, regions)?;
     for (filter, &region) in filters.iter().zip(regions) {
-        layer = Run::new(filter, region, &layer)?.run(job)?;
+        layer = Run::new(filter, region, &layer).run(job)?;
     }
     Ok(layer.into_space(Space::Srgb))
+}
+
+/// Can these filters be run over these regions? To be asked before the source is drawn.
+///
+/// # Errors
+/// [`Error::Limit`] when a filter would hold too many pixels.
+pub(crate) fn affordable(filters: &[Arc<Filter>], regions: &[IntRect]) -> Result<(), Error> {
+    for (filter, region) in filters.iter().zip(regions) {
+        let (_, last_use) = origins_and_last_use(filter.primitives());
+        let held = region.area().saturating_mul(most_layers(&last_use) as u64);
+        if held > MOST_PIXELS_HELD {
+            return Err(Error::Limit(format!(
+                "the filter '{}' has to hold {held} pixels at once, more than {MOST_PIXELS_HELD} \
+                 (give it a smaller region, or draw a smaller picture)",
+                filter.id()
+            )));
+        }
+    }
+    Ok(())
 }
 
 /// What a primitive made.
@@ -107,33 +127,10 @@ struct Run<'a> {
 }
 
 impl<'a> Run<'a> {
-    fn new(filter: &'a Filter, region: IntRect, source: &Layer) -> Result<Run<'a>, Error> {
+    fn new(filter: &'a Filter, region: IntRect, source: &Layer) -> Run<'a> {
         let primitives = filter.primitives();
-        let origins: Vec<Vec<Origin>> = (0..primitives.len())
-            .map(|number| {
-                inputs(primitives[number].kind())
-                    .into_iter()
-                    .map(|i| origin(i, &primitives[..number]))
-                    .collect()
-            })
-            .collect();
-        let mut last_use: Vec<usize> = (0..primitives.len()).collect();
-        for (number, origins) in origins.iter().enumerate() {
-            for origin in origins {
-                if let Origin::Result(of) = origin {
-                    last_use[*of] = number;
-                }
-            }
-        }
-        let held = region.area().saturating_mul(most_layers(&last_use) as u64);
-        if held > MOST_PIXELS_HELD {
-            return Err(Error::Limit(format!(
-                "the filter '{}' has to hold {held} pixels at once, more than {MOST_PIXELS_HELD} \
-                 (give it a smaller region, or draw a smaller picture)",
-                filter.id()
-            )));
-        }
-        Ok(Run {
+        let (origins, last_use) = origins_and_last_use(primitives);
+        Run {
             filter,
             region,
             source: Rc::new(source.over_rect(region)),
@@ -141,7 +138,7 @@ impl<'a> Run<'a> {
             origins,
             last_use,
             results: vec![None; primitives.len()],
-        })
+        }
     }
 
     fn run(mut self, job: &mut Job) -> Result<Layer, Error> {
@@ -308,6 +305,24 @@ impl<'a> Run<'a> {
         let drawn = (job.draw)(fe.root(), Affine::new([sx, 0.0, 0.0, sy, x, y]), over)?;
         Ok(drawn.over_rect(self.region))
     }
+}
+
+/// Where each primitive's inputs come from, and which is the last to look at each one's result.
+fn origins_and_last_use(primitives: &[Primitive]) -> (Vec<Vec<Origin>>, Vec<usize>) {
+    let origins: Vec<Vec<Origin>> = (0..primitives.len())
+        .map(|number| {
+            inputs(primitives[number].kind()).into_iter().map(|i| origin(i, &primitives[..number])).collect()
+        })
+        .collect();
+    let mut last_use: Vec<usize> = (0..primitives.len()).collect();
+    for (number, origins) in origins.iter().enumerate() {
+        for origin in origins {
+            if let Origin::Result(of) = origin {
+                last_use[*of] = number;
+            }
+        }
+    }
+    (origins, last_use)
 }
 
 /// Layers at once, at most: results in use, the source, its alpha, and two being worked on.
