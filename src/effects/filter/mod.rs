@@ -14,9 +14,10 @@
 //! | `turbulence` | feTurbulence |
 //! | `lines` | rows and columns for what works along one axis |
 //!
-//! To run a group's filters: [`region::Canvas::new`] of its transform; [`region::regions`] for the canvas's part that
-//! the picture shows; [`affordable`]; draw the group's content under `to_canvas` over the first region;
-//! [`apply`]; [`region::Canvas::shown`].
+//! To run a group's filters: [`region::Canvas::new`] of its transform; [`region::regions`] for the
+//! canvas's part that the picture shows; [`affordable`]; draw the group's content under `to_canvas`
+//! over the first region; [`apply`]; [`region::Canvas::shown`]. Primitives whose results nobody looks
+//! at are not run.
 
 mod blur;
 mod color;
@@ -37,6 +38,7 @@ use crate::effects::layer::{pixel_of, IntRect, Layer, Pixel, Space};
 use crate::Error;
 use kurbo::{Affine, Rect};
 use region::{pixels_of, scales, LAST_BITS};
+use std::collections::HashMap;
 use std::rc::Rc;
 use std::sync::Arc;
 use usvg::filter::{DropShadow, Filter, Image, Input, Kind, Primitive};
@@ -58,8 +60,8 @@ pub(crate) struct Job<'a> {
 /// Pixels of all results that are held at once: 2 GB.
 const MOST_PIXELS_HELD: u64 = 1 << 27;
 
-/// Runs a chain of filters, each over the region that [`region::regions`] gave it. The result is sRGB-encoded
-/// and lies over the last region.
+/// Runs a chain of filters, each over the region that [`region::regions`] gave it. The result is
+/// sRGB-encoded and lies over the last region.
 ///
 /// # Errors
 /// [`Error::Limit`] when a filter would hold or compute too much; and what `draw` returns.
@@ -118,8 +120,8 @@ struct Run<'a> {
     region: IntRect,
     source: Rc<Layer>,
     source_alpha: Option<Rc<Layer>>,
-    /// Of each primitive, its inputs in order.
-    origins: Vec<Vec<Origin>>,
+    /// Of each primitive that is called for, its inputs in order.
+    origins: Vec<Option<Vec<Origin>>>,
     /// Of each primitive, the last one that looks at its result.
     last_use: Vec<usize>,
     /// Results, while somebody still looks at them.
@@ -147,12 +149,9 @@ impl<'a> Run<'a> {
             return Ok(Layer::clear(IntRect::EMPTY, Space::Srgb));
         }
         for (number, primitive) in filter.primitives().iter().enumerate() {
-            let made = self.primitive(number, primitive, job)?;
-            self.results[number] = Some(made);
-            for of in 0..number {
-                if self.last_use[of] == number {
-                    self.results[of] = None;
-                }
+            if self.origins[number].is_some() {
+                let made = self.primitive(number, primitive, job)?;
+                self.results[number] = Some(made);
             }
         }
         // usvg gives no filter without primitives.
@@ -165,7 +164,7 @@ impl<'a> Run<'a> {
         // An feOffset is where its input is, and is not cut: what it moves may leave it.
         let offset = matches!(primitive.kind(), Kind::Offset(_));
         if offset {
-            if let Some(Origin::Result(of)) = self.origins[number].first() {
+            if let Some(Origin::Result(of)) = self.origins(number).first() {
                 if let Some(made) = &self.results[*of] {
                     subregion = made.region;
                 }
@@ -244,11 +243,15 @@ impl<'a> Run<'a> {
         })
     }
 
+    fn origins(&self, number: usize) -> &[Origin] {
+        self.origins[number].as_deref().unwrap_or_default()
+    }
+
     /// An input as it is. Inputs are asked for in their order, each once.
     fn input(&mut self, number: usize, which: usize) -> Made {
         let made = |layer: &Rc<Layer>, region| Made { layer: layer.clone(), region };
-        let origin = self.origins[number][which];
-        let later = self.origins[number][which + 1..].contains(&origin);
+        let origin = self.origins(number)[which];
+        let later = self.origins(number)[which + 1..].contains(&origin);
         match origin {
             Origin::Source => made(&self.source, self.region),
             Origin::SourceAlpha => {
@@ -307,28 +310,42 @@ impl<'a> Run<'a> {
     }
 }
 
-/// Where each primitive's inputs come from, and which is the last to look at each one's result.
-fn origins_and_last_use(primitives: &[Primitive]) -> (Vec<Vec<Origin>>, Vec<usize>) {
-    let origins: Vec<Vec<Origin>> = (0..primitives.len())
-        .map(|number| {
-            inputs(primitives[number].kind()).into_iter().map(|i| origin(i, &primitives[..number])).collect()
-        })
-        .collect();
-    let mut last_use: Vec<usize> = (0..primitives.len()).collect();
-    for (number, origins) in origins.iter().enumerate() {
-        for origin in origins {
+/// Where the inputs come from of each primitive that the last one's result depends on, `None` for the
+/// others; and which primitive is the last to look at each one's result.
+fn origins_and_last_use(primitives: &[Primitive]) -> (Vec<Option<Vec<Origin>>>, Vec<usize>) {
+    let mut named = HashMap::new();
+    let mut origins = Vec::with_capacity(primitives.len());
+    for (number, primitive) in primitives.iter().enumerate() {
+        let origin = |input: &Input| match input {
+            Input::SourceGraphic => Origin::Source,
+            Input::SourceAlpha => Origin::SourceAlpha,
+            Input::Reference(name) => {
+                named.get(name.as_str()).map_or(Origin::Source, |&of| Origin::Result(of))
+            }
+        };
+        let of_primitive: Vec<Origin> = inputs(primitive.kind()).into_iter().map(origin).collect();
+        origins.push(Some(of_primitive));
+        named.insert(primitive.result(), number);
+    }
+    let mut last_use: Vec<Option<usize>> = vec![None; primitives.len()];
+    for number in (0..primitives.len()).rev() {
+        if number + 1 < primitives.len() && last_use[number].is_none() {
+            origins[number] = None;
+        }
+        for origin in origins[number].iter().flatten() {
             if let Origin::Result(of) = origin {
-                last_use[*of] = number;
+                last_use[*of].get_or_insert(number);
             }
         }
     }
+    let last_use = last_use.iter().enumerate().map(|(number, last)| last.unwrap_or(number)).collect();
     (origins, last_use)
 }
 
 /// Layers at once, at most: results in use, the source, its alpha, and two being worked on.
 fn most_layers(last_use: &[usize]) -> usize {
     let (mut in_use, mut most) = (0usize, 0);
-    // Number 0 is in use from then on, until the last that looks at it is done.
+    // A result is in use until the last primitive that looks at it is done.
     let mut ends = vec![0usize; last_use.len() + 1];
     for (number, &last) in last_use.iter().enumerate() {
         in_use += 1;
@@ -347,17 +364,6 @@ fn whole(offset: f64) -> i32 {
 fn user_rect(primitive: &Primitive) -> Rect {
     let rect = primitive.rect();
     Rect::new(rect.left().into(), rect.top().into(), rect.right().into(), rect.bottom().into())
-}
-
-fn origin(input: &Input, before: &[Primitive]) -> Origin {
-    match input {
-        Input::SourceGraphic => Origin::Source,
-        Input::SourceAlpha => Origin::SourceAlpha,
-        Input::Reference(name) => before
-            .iter()
-            .rposition(|primitive| primitive.result() == name)
-            .map_or(Origin::Source, Origin::Result),
-    }
 }
 
 fn inputs(kind: &Kind) -> Vec<&Input> {

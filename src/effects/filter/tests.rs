@@ -212,6 +212,25 @@ fn a_result_may_be_looked_at_twice_by_one_primitive() {
 }
 
 #[test]
+fn results_that_nobody_looks_at_are_not_made() {
+    let image = "<feImage href='#leaf' result='unused'/><feOffset in='SourceGraphic'/>";
+    let leaf = "<defs><path id='leaf' d='M0 0H9V9z'/></defs>";
+    let svg = drawing(SRGB, image, &format!("{SHAPES}{leaf}"), true);
+    let tree = Tree::from_str(&svg, &Options::default()).unwrap();
+    let filters = first_filtered(tree.root()).unwrap().filters();
+    assert_eq!(filters[0].primitives().len(), 2);
+    let region = IntRect::new(0, 0, SIZE, SIZE);
+    let mut job = Job {
+        to_canvas: Affine::IDENTITY,
+        highlights: Highlights::AsIs,
+        aliasing: None,
+        draw: &mut |_, _, _| panic!("the image is not called for"),
+    };
+    let source = Layer::filled(region, Space::Srgb, [0.5, 0.2, 0.1, 0.6]);
+    assert_eq!(apply(filters, &[region], source.clone(), &mut job).unwrap(), source);
+}
+
+#[test]
 fn aliasing_is_detected_and_its_cure_told() {
     let lit = |exponent: u32| {
         let primitive = format!(
