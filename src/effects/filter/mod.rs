@@ -14,9 +14,10 @@
 //! | `turbulence` | feTurbulence |
 //! | `lines` | rows and columns for what works along one axis |
 //!
-//! To run a group's filters: [`Canvas::new`] of its transform; [`regions`] for the canvas's part that
-//! the picture shows; draw the group's content under `to_canvas` over the first region;
-//! [`apply`]; [`Canvas::shown`].
+//! To run a group's filters: [`region::Canvas::new`] of its transform; [`region::regions`] for the
+//! canvas's part that the picture shows; [`affordable`]; draw the group's content under `to_canvas`
+//! over the first region; [`apply`]; [`region::Canvas::shown`]. Primitives whose results nobody looks
+//! at are not run.
 
 mod blur;
 mod color;
@@ -32,13 +33,12 @@ mod turbulence;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use region::{regions, Canvas};
-
-use crate::effects::highlights::Highlights;
+use crate::effects::highlights::{Aliasing, Highlights};
 use crate::effects::layer::{pixel_of, IntRect, Layer, Pixel, Space};
 use crate::Error;
 use kurbo::{Affine, Rect};
 use region::{pixels_of, scales, LAST_BITS};
+use std::collections::HashMap;
 use std::rc::Rc;
 use std::sync::Arc;
 use usvg::filter::{DropShadow, Filter, Image, Input, Kind, Primitive};
@@ -49,17 +49,19 @@ pub(crate) type DrawContent<'a> = dyn FnMut(&usvg::Group, Affine, IntRect) -> Re
 
 /// What filters of one group have in common.
 pub(crate) struct Job<'a> {
-    /// From the group's user units to the canvas ([`Canvas::to_canvas`]).
+    /// From the group's user units to the canvas ([`region::Canvas::to_canvas`]).
     pub to_canvas: Affine,
     pub highlights: Highlights,
+    /// Where there is one, what aliases of the highlights, were they drawn as they are, is added to it.
+    pub aliasing: Option<Aliasing>,
     pub draw: &'a mut DrawContent<'a>,
 }
 
 /// Pixels of all results that are held at once: 2 GB.
 const MOST_PIXELS_HELD: u64 = 1 << 27;
 
-/// Runs a chain of filters, each over the region that [`regions`] gave it. The result is sRGB-encoded
-/// and lies over the last region.
+/// Runs a chain of filters, each over the region that [`region::regions`] gave it. The result is
+/// sRGB-encoded and lies over the last region.
 ///
 /// # Errors
 /// [`Error::Limit`] when a filter would hold or compute too much; and what `draw` returns.
@@ -69,10 +71,30 @@ pub(crate) fn apply(
     mut layer: Layer,
     job: &mut Job,
 ) -> Result<Layer, Error> {
+    affordable(filters, regions)?;
     for (filter, &region) in filters.iter().zip(regions) {
-        layer = Run::new(filter, region, layer.over_rect(region))?.run(job)?;
+        layer = Run::new(filter, region, &layer).run(job)?;
     }
     Ok(layer.into_space(Space::Srgb))
+}
+
+/// Can these filters be run over these regions? To be asked before the source is drawn.
+///
+/// # Errors
+/// [`Error::Limit`] when a filter would hold too many pixels.
+pub(crate) fn affordable(filters: &[Arc<Filter>], regions: &[IntRect]) -> Result<(), Error> {
+    for (filter, region) in filters.iter().zip(regions) {
+        let (_, last_use) = origins_and_last_use(filter.primitives());
+        let held = region.area().saturating_mul(most_layers(&last_use) as u64);
+        if held > MOST_PIXELS_HELD {
+            return Err(Error::Limit(format!(
+                "the filter '{}' has to hold {held} pixels at once, more than {MOST_PIXELS_HELD} \
+                 (give it a smaller region, or draw a smaller picture)",
+                filter.id()
+            )));
+        }
+    }
+    Ok(())
 }
 
 /// What a primitive made.
@@ -98,8 +120,8 @@ struct Run<'a> {
     region: IntRect,
     source: Rc<Layer>,
     source_alpha: Option<Rc<Layer>>,
-    /// Of each primitive, its inputs in order.
-    origins: Vec<Vec<Origin>>,
+    /// Of each primitive that is called for, its inputs in order.
+    origins: Vec<Option<Vec<Origin>>>,
     /// Of each primitive, the last one that looks at its result.
     last_use: Vec<usize>,
     /// Results, while somebody still looks at them.
@@ -107,48 +129,18 @@ struct Run<'a> {
 }
 
 impl<'a> Run<'a> {
-    fn new(filter: &'a Filter, region: IntRect, source: Layer) -> Result<Run<'a>, Error> {
+    fn new(filter: &'a Filter, region: IntRect, source: &Layer) -> Run<'a> {
         let primitives = filter.primitives();
-        let origins: Vec<Vec<Origin>> = (0..primitives.len())
-            .map(|number| {
-                inputs(primitives[number].kind())
-                    .into_iter()
-                    .map(|i| origin(i, &primitives[..number]))
-                    .collect()
-            })
-            .collect();
-        let mut last_use: Vec<usize> = (0..primitives.len()).collect();
-        for (number, origins) in origins.iter().enumerate() {
-            for origin in origins {
-                if let Origin::Result(of) = origin {
-                    last_use[*of] = number;
-                }
-            }
-        }
-        let run = Run {
+        let (origins, last_use) = origins_and_last_use(primitives);
+        Run {
             filter,
             region,
-            source: Rc::new(source),
+            source: Rc::new(source.over_rect(region)),
             source_alpha: None,
             origins,
             last_use,
             results: vec![None; primitives.len()],
-        };
-        let held = region.area().saturating_mul(run.most_results() as u64);
-        if held > MOST_PIXELS_HELD {
-            return Err(Error::Limit(format!(
-                "the filter '{}' has to hold {held} pixels at once, more than {MOST_PIXELS_HELD} \
-                 (give it a smaller region, or draw a smaller picture)",
-                filter.id()
-            )));
         }
-        Ok(run)
-    }
-
-    /// Layers at once, at most: results in use, the source, its alpha, and two being worked on.
-    fn most_results(&self) -> usize {
-        let in_use = |now: usize| (0..now).filter(|&of| self.last_use[of] >= now).count();
-        4 + (0..self.last_use.len()).map(in_use).max().unwrap_or(0)
     }
 
     fn run(mut self, job: &mut Job) -> Result<Layer, Error> {
@@ -157,12 +149,9 @@ impl<'a> Run<'a> {
             return Ok(Layer::clear(IntRect::EMPTY, Space::Srgb));
         }
         for (number, primitive) in filter.primitives().iter().enumerate() {
-            let made = self.primitive(number, primitive, job)?;
-            self.results[number] = Some(made);
-            for of in 0..number {
-                if self.last_use[of] == number {
-                    self.results[of] = None;
-                }
+            if self.origins[number].is_some() {
+                let made = self.primitive(number, primitive, job)?;
+                self.results[number] = Some(made);
             }
         }
         // usvg gives no filter without primitives.
@@ -175,7 +164,7 @@ impl<'a> Run<'a> {
         // An feOffset is where its input is, and is not cut: what it moves may leave it.
         let offset = matches!(primitive.kind(), Kind::Offset(_));
         if offset {
-            if let Some(Origin::Result(of)) = self.origins[number].first() {
+            if let Some(Origin::Result(of)) = self.origins(number).first() {
                 if let Some(made) = &self.results[*of] {
                     subregion = made.region;
                 }
@@ -249,18 +238,20 @@ impl<'a> Run<'a> {
                 turbulence::noise(fe, space, self.region, to_canvas, user_rect(primitive))
             }
             Kind::DiffuseLighting(fe) => light::diffuse(&self.input(number, 0).layer, fe, space, to_canvas),
-            Kind::SpecularLighting(fe) => {
-                light::specular(&self.input(number, 0).layer, fe, space, to_canvas, job.highlights)
-            }
+            Kind::SpecularLighting(fe) => light::specular(&self.input(number, 0).layer, fe, space, job),
             Kind::Image(fe) => self.image(fe, subregion, job)?,
         })
+    }
+
+    fn origins(&self, number: usize) -> &[Origin] {
+        self.origins[number].as_deref().unwrap_or_default()
     }
 
     /// An input as it is. Inputs are asked for in their order, each once.
     fn input(&mut self, number: usize, which: usize) -> Made {
         let made = |layer: &Rc<Layer>, region| Made { layer: layer.clone(), region };
-        let origin = self.origins[number][which];
-        let later = self.origins[number][which + 1..].contains(&origin);
+        let origin = self.origins(number)[which];
+        let later = self.origins(number)[which + 1..].contains(&origin);
         match origin {
             Origin::Source => made(&self.source, self.region),
             Origin::SourceAlpha => {
@@ -319,6 +310,52 @@ impl<'a> Run<'a> {
     }
 }
 
+/// Where the inputs come from of each primitive that the last one's result depends on, `None` for the
+/// others; and which primitive is the last to look at each one's result.
+fn origins_and_last_use(primitives: &[Primitive]) -> (Vec<Option<Vec<Origin>>>, Vec<usize>) {
+    let mut named = HashMap::new();
+    let mut origins = Vec::with_capacity(primitives.len());
+    for (number, primitive) in primitives.iter().enumerate() {
+        let origin = |input: &Input| match input {
+            Input::SourceGraphic => Origin::Source,
+            Input::SourceAlpha => Origin::SourceAlpha,
+            Input::Reference(name) => {
+                named.get(name.as_str()).map_or(Origin::Source, |&of| Origin::Result(of))
+            }
+        };
+        let of_primitive: Vec<Origin> = inputs(primitive.kind()).into_iter().map(origin).collect();
+        origins.push(Some(of_primitive));
+        named.insert(primitive.result(), number);
+    }
+    let mut last_use: Vec<Option<usize>> = vec![None; primitives.len()];
+    for number in (0..primitives.len()).rev() {
+        if number + 1 < primitives.len() && last_use[number].is_none() {
+            origins[number] = None;
+        }
+        for origin in origins[number].iter().flatten() {
+            if let Origin::Result(of) = origin {
+                last_use[*of].get_or_insert(number);
+            }
+        }
+    }
+    let last_use = last_use.iter().enumerate().map(|(number, last)| last.unwrap_or(number)).collect();
+    (origins, last_use)
+}
+
+/// Layers at once, at most: results in use, the source, its alpha, and two being worked on.
+fn most_layers(last_use: &[usize]) -> usize {
+    let (mut in_use, mut most) = (0usize, 0);
+    // A result is in use until the last primitive that looks at it is done.
+    let mut ends = vec![0usize; last_use.len() + 1];
+    for (number, &last) in last_use.iter().enumerate() {
+        in_use += 1;
+        ends[last.max(number)] += 1;
+        most = most.max(in_use);
+        in_use -= ends[number];
+    }
+    most + 4
+}
+
 /// Whole pixels of an offset: towards 0, as browsers' filters have it.
 fn whole(offset: f64) -> i32 {
     (offset + LAST_BITS.copysign(offset)) as i32
@@ -327,17 +364,6 @@ fn whole(offset: f64) -> i32 {
 fn user_rect(primitive: &Primitive) -> Rect {
     let rect = primitive.rect();
     Rect::new(rect.left().into(), rect.top().into(), rect.right().into(), rect.bottom().into())
-}
-
-fn origin(input: &Input, before: &[Primitive]) -> Origin {
-    match input {
-        Input::SourceGraphic => Origin::Source,
-        Input::SourceAlpha => Origin::SourceAlpha,
-        Input::Reference(name) => before
-            .iter()
-            .rposition(|primitive| primitive.result() == name)
-            .map_or(Origin::Source, Origin::Result),
-    }
 }
 
 fn inputs(kind: &Kind) -> Vec<&Input> {
