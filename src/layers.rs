@@ -5,7 +5,8 @@
 //! the paint of a shape like any other. A scene of flat paint makes nothing here.
 
 use crate::effects::blend::blend;
-use crate::effects::filter::{self, Canvas, Job};
+use crate::effects::filter::region::{regions, Canvas};
+use crate::effects::filter::{self, Job};
 use crate::effects::highlights::Highlights;
 use crate::effects::layer::{IntRect, Layer, Pixel, Space, CLEAR};
 use crate::effects::mask;
@@ -127,12 +128,18 @@ impl Artist<'_> {
         let Some(canvas) = Canvas::new(to_pixels) else {
             return Ok(Layer::clear(rect, Space::Srgb));
         };
-        let regions = filter::regions(&group.filters, canvas.to_canvas, canvas.rect_of(rect));
+        let regions = regions(&group.filters, canvas.to_canvas, canvas.rect_of(rect));
+        filter::affordable(&group.filters, &regions)?;
         let source = self.draw(&group.content, canvas.to_canvas, regions[0])?;
         let mut draw = |content: &usvg::Group, to_pixels: Affine, rect: IntRect| {
             self.draw(&Scene::from_group(content)?, to_pixels, rect)
         };
-        let mut job = Job { to_canvas: canvas.to_canvas, highlights: Highlights::AsIs, draw: &mut draw };
+        let mut job = Job {
+            to_canvas: canvas.to_canvas,
+            highlights: Highlights::AsIs,
+            aliasing: None,
+            draw: &mut draw,
+        };
         let layer = filter::apply(&group.filters, &regions, source, &mut job)?;
         Ok(canvas.shown(layer, rect))
     }
