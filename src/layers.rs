@@ -180,7 +180,7 @@ impl Artist<'_> {
         }
         for (source, &behind) in layer.pixels_mut().iter_mut().zip(backdrop.pixels()) {
             let alpha = source[3];
-            let blended = blend(mode.into(), *source, behind);
+            let blended = blend(mode, *source, behind);
             let own = |i: usize| (blended[i] - (1.0 - alpha) * behind[i]).clamp(0.0, alpha);
             *source = [own(0), own(1), own(2), alpha];
         }

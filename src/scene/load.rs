@@ -193,8 +193,7 @@ fn parser_failed(panic: &(dyn std::any::Any + Send)) -> Error {
 /// The caller's options for usvg, with fonts if they are needed.
 fn usvg_options<'a>(options: &'a Options, has_text: bool, unmatched: &'a Unmatched) -> usvg::Options<'a> {
     let given = &options.usvg;
-    let fontdb =
-        if has_text && given.fontdb.is_empty() { options.fonts.database() } else { given.fontdb.clone() };
+    let fontdb = fonts(options, has_text);
     usvg::Options {
         resources_dir: given.resources_dir.clone(),
         dpi: given.dpi,
@@ -205,7 +204,7 @@ fn usvg_options<'a>(options: &'a Options, has_text: bool, unmatched: &'a Unmatch
         text_rendering: given.text_rendering,
         image_rendering: given.image_rendering,
         default_size: given.default_size,
-        image_href_resolver: images::resolver(&options.limits),
+        image_href_resolver: images::resolver(options),
         font_resolver: usvg::FontResolver {
             select_font: Box::new(|font, fonts| {
                 let found = (given.font_resolver.select_font)(font, fonts);
@@ -218,6 +217,15 @@ fn usvg_options<'a>(options: &'a Options, has_text: bool, unmatched: &'a Unmatch
         },
         fontdb,
         style_sheet: given.style_sheet.clone(),
+    }
+}
+
+/// The fonts to lay out text with, if there is any.
+fn fonts(options: &Options, has_text: bool) -> Arc<usvg::fontdb::Database> {
+    let given = &options.usvg.fontdb;
+    match has_text && given.is_empty() {
+        true => options.fonts.database(),
+        false => given.clone(),
     }
 }
 

@@ -3,22 +3,22 @@
 //! drawings within drawings are read without their own images.
 
 use super::guard;
-use super::{decode, parse_xml, Limits};
+use super::{decode, parse_xml};
+use crate::Options;
 use std::sync::Arc;
 use usvg::ImageKind;
 
 /// Bytes of an image file: 64 MiB.
 const MOST_BYTES: u64 = 64 << 20;
 
-/// Opens images under these limits.
-pub(super) fn resolver(limits: &Limits) -> usvg::ImageHrefResolver<'static> {
-    let (one, other) = (limits.clone(), limits.clone());
+/// Opens images under the limits of the drawing that holds them, and with its fonts.
+pub(super) fn resolver(outer: &Options) -> usvg::ImageHrefResolver<'_> {
     usvg::ImageHrefResolver {
-        resolve_data: Box::new(move |_, data, options| {
-            Some(kind(data, options, &one).unwrap_or_else(placeholder))
+        resolve_data: Box::new(|_, data, options| {
+            Some(kind(data, options, outer).unwrap_or_else(placeholder))
         }),
-        resolve_string: Box::new(move |link, options| {
-            let found = file(link, options).and_then(|data| kind(data, options, &other));
+        resolve_string: Box::new(|link, options| {
+            let found = file(link, options).and_then(|data| kind(data, options, outer));
             Some(found.unwrap_or_else(placeholder))
         }),
     }
@@ -42,17 +42,18 @@ fn file(link: &str, options: &usvg::Options) -> Option<Arc<Vec<u8>>> {
 }
 
 /// By its first bytes, whatever it is said to be.
-fn kind(data: Arc<Vec<u8>>, options: &usvg::Options, limits: &Limits) -> Option<ImageKind> {
+fn kind(data: Arc<Vec<u8>>, options: &usvg::Options, outer: &Options) -> Option<ImageKind> {
     match image::guess_format(&data) {
         Ok(image::ImageFormat::Png) => Some(ImageKind::PNG(data)),
         Ok(image::ImageFormat::Jpeg) => Some(ImageKind::JPEG(data)),
         Ok(image::ImageFormat::Gif) => Some(ImageKind::GIF(data)),
         Ok(image::ImageFormat::WebP) => Some(ImageKind::WEBP(data)),
-        _ => drawing(&data, options, limits).map(ImageKind::SVG),
+        _ => drawing(&data, options, outer).map(ImageKind::SVG),
     }
 }
 
-fn drawing(data: &[u8], options: &usvg::Options, limits: &Limits) -> Option<usvg::Tree> {
+fn drawing(data: &[u8], options: &usvg::Options, outer: &Options) -> Option<usvg::Tree> {
+    let limits = &outer.limits;
     let text = decode::text(data, limits.bytes).ok()?;
     decode::check_entities(&text, limits.bytes).ok()?;
     let xml = parse_xml(&text).ok()?;
@@ -61,7 +62,7 @@ fn drawing(data: &[u8], options: &usvg::Options, limits: &Limits) -> Option<usvg
         return None;
     }
     let inner = usvg::Options {
-        fontdb: options.fontdb.clone(),
+        fontdb: super::fonts(outer, census.has_text),
         font_family: options.font_family.clone(),
         font_size: options.font_size,
         languages: options.languages.clone(),
