@@ -105,8 +105,10 @@ struct PictureOptions {
     #[arg(short, long, value_name = "COLOR", value_parser = values::color)]
     background: Option<Color>,
     /// How edges are smoothed: exact (visible areas, Catmull 1978), mask (A-buffer, 4x4), mask64 (A-buffer,
-    /// 64 samples), none (jagged), grid:N (N x N samples), random:N, jitter:N, poisson:N or accumulate:N
-    /// (N samples)
+    /// 64 samples), none (jagged), grid:N (N x N samples), random:N, jitter:N, poisson:N, adaptive:N (up to
+    /// N) or accumulate:N (N samples), corner, corner:tiny (borders found between pixel corners), cone (disk
+    /// footprint), beam (visible polygons of the whole picture), area (shape over shape: seams and all) or
+    /// tiny-skia (resvg's renderer)
     #[arg(long, value_name = "METHOD", default_value = "exact", value_parser = values::method)]
     aa: Method,
     /// Farthest a flattened curve may lie from the true one, in output pixels [default: 0.01; mask 0.0625,
