@@ -282,6 +282,12 @@ fn render_job(mut arguments: Arguments) -> Result<Job, String> {
         places::plan(&arguments.paths, wanted, arguments.picture.format, arguments.picture.start_number)?;
     let options = options(&arguments.reading, &arguments.size, &arguments.fonts)?;
     let Arguments { size, picture, part, reading, report, .. } = arguments;
+    if picture.linear && picture.aa == Method::TinySkia {
+        return Err(
+            "--aa tiny-skia cannot mix in linear light (leave out --linear, or choose another method)"
+                .to_string(),
+        );
+    }
     let settings = Settings {
         method: picture.aa,
         tolerance: picture.tolerance.unwrap_or(picture.aa.tolerance()),
