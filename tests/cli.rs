@@ -236,6 +236,7 @@ fn wrong_command_lines_end_with_2_and_one_line() {
         (&["--aa", "grid:0", "in.svg", "out.png"], "from 1 to 32"),
         (&["--aa", "jitter", "in.svg", "out.png"], "jitter:N"),
         (&["--aa", "magic", "in.svg", "out.png"], "unknown method"),
+        (&["--aa", "tiny-skia", "--linear", "in.svg", "out.png"], "leave out --linear"),
         (&["--format", "gif", "in.svg", "out.png"], "later version"),
         (&["in.svg", "out.xyz"], "format of out.xyz"),
         (&["in.svg", "out"], "format of out"),

@@ -218,8 +218,16 @@ fn files_that_cannot_be_read_are_one_line() {
     assert_one_line(&folder.compare(&["none.svg"]), 3, "none.svg: no such file");
     assert_one_line(&folder.compare(&["in.svg", "--against", "none.png"]), 3, "none.png: no such file");
     assert_one_line(&folder.compare(&["in.svg", "--against", "in.svg"]), 3, "in.svg: not a PNG");
-    let unwritable = ["in.svg", "--methods", "none", "--json", "nowhere/all.json"];
-    assert_one_line(&folder.compare(&unwritable), 1, "nowhere/all.json");
+}
+
+#[test]
+fn a_place_that_cannot_be_written_to_is_said_before_the_work() {
+    let folder = Folder::new();
+    for place in [["--json", "nowhere/all.json"], ["--report", "in.svg"]] {
+        let output = folder.compare(&["in.svg", "--methods", "none", place[0], place[1]]);
+        assert_one_line(&output, 1, place[1]);
+        assert_eq!(stdout(&output), "", "no table");
+    }
 }
 
 #[test]

@@ -1,17 +1,7 @@
 //! The methods of other days: adaptive sampling, corners of pixels, cones, beams, areas painted over one
 //! another, and resvg's renderer. What each gets right, and that it gets wrong what its papers say.
 //!
-//! Exceptions, in one place:
-//!
-//! | method | exception |
-//! |---|---|
-//! | `tiny-skia` | refuses `--linear` and coordinates past 1e9 pixels; 4 x 4 samples a pixel |
-//! | `beam` | refuses drawings past a number of polygon edges or crossings, and pictures past 2^23 pixels |
-//! | `cone` | a disk, not the pixel: areas differ from the pixel's even for one shape |
-//! | `area`, `cone`, `tiny-skia` | shared borders leave seams, stacked shapes fringes |
-//! | `corner` | knows nothing but the corners: see its six samples |
-//! | `area`, `cone` | pixels with more than 48 borders or 96 places to cut at are sampled in 64 lines |
-//! | `adaptive` | what all first samples miss stays missed |
+//! What they do not promise stands in `methods.rs`.
 
 mod support;
 

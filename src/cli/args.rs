@@ -105,8 +105,10 @@ struct PictureOptions {
     #[arg(short, long, value_name = "COLOR", value_parser = values::color)]
     background: Option<Color>,
     /// How edges are smoothed: exact (visible areas, Catmull 1978), mask (A-buffer, 4x4), mask64 (A-buffer,
-    /// 64 samples), none (jagged), grid:N (N x N samples), random:N, jitter:N, poisson:N or accumulate:N
-    /// (N samples)
+    /// 64 samples), none (jagged), grid:N (N x N samples), random:N, jitter:N, poisson:N, adaptive:N (up to
+    /// N) or accumulate:N (N samples), corner, corner:tiny (borders found between pixel corners), cone (disk
+    /// footprint), beam (visible polygons of the whole picture), area (shape over shape: seams and all) or
+    /// tiny-skia (resvg's renderer)
     #[arg(long, value_name = "METHOD", default_value = "exact", value_parser = values::method)]
     aa: Method,
     /// Farthest a flattened curve may lie from the true one, in output pixels [default: 0.01; mask 0.0625,
@@ -280,6 +282,12 @@ fn render_job(mut arguments: Arguments) -> Result<Job, String> {
         places::plan(&arguments.paths, wanted, arguments.picture.format, arguments.picture.start_number)?;
     let options = options(&arguments.reading, &arguments.size, &arguments.fonts)?;
     let Arguments { size, picture, part, reading, report, .. } = arguments;
+    if picture.linear && picture.aa == Method::TinySkia {
+        return Err(
+            "--aa tiny-skia cannot mix in linear light (leave out --linear, or choose another method)"
+                .to_string(),
+        );
+    }
     let settings = Settings {
         method: picture.aa,
         tolerance: picture.tolerance.unwrap_or(picture.aa.tolerance()),

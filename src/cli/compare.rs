@@ -48,6 +48,13 @@ fn run_here(mut job: CompareJob) -> ExitCode {
             }
         }
     }
+    // Before the work: it may take minutes, and its figures would be lost.
+    let json = job.json.clone().map(|path| (path.display().to_string(), json_output(&path)));
+    let html = job.report.clone().map(|folder| (folder.display().to_string(), page_output(&folder)));
+    let (json, html) = match (opened(json), opened(html)) {
+        (Ok(json), Ok(html)) => (json, html),
+        (Err(failure), _) | (_, Err(failure)) => return report::exit_code(1, &[failure]),
+    };
     let inputs = std::mem::take(&mut job.inputs);
     let mut progress = Progress::new(job.progress, inputs.len() * steps(&job.options));
     let mut page = Page::new(Circumstances::here(std::env::args_os()));
@@ -73,15 +80,11 @@ fn run_here(mut job: CompareJob) -> ExitCode {
         }
     }
     if !records.is_empty() {
-        for (name, written) in [
-            job.json.as_deref().map(|path| (path.to_path_buf(), write_json(path, &records))),
-            job.report.as_deref().map(|folder| (folder.to_path_buf(), write_page(folder, page))),
-        ]
-        .into_iter()
-        .flatten()
-        {
+        let json = json.map(|(name, output)| (name, write_json(output, &records)));
+        let html = html.map(|(name, output)| (name, write(output, &[page.finish().as_bytes()])));
+        for (name, written) in [json, html].into_iter().flatten() {
             if let Err(failure) = written {
-                report::failure(&name.display().to_string(), &failure);
+                report::failure(&name, &failure);
                 failures.push(failure);
             }
         }
@@ -123,22 +126,36 @@ fn picture(path: &Path) -> Result<Pixmap, Failure> {
     Ok(against::decode(&bytes)?)
 }
 
-fn write_json(path: &Path, records: &[Record]) -> Result<(), Failure> {
-    let json = serde_json::to_vec_pretty(records).map_err(|e| Failure::io(format!("no JSON: {e}")))?;
-    let target = match path == Path::new("-") {
+/// An output by its name; that it cannot be written to is told.
+fn opened(output: Option<(String, Result<Output, Failure>)>) -> Result<Option<(String, Output)>, Failure> {
+    match output {
+        None => Ok(None),
+        Some((name, Ok(output))) => Ok(Some((name, output))),
+        Some((name, Err(failure))) => {
+            report::failure(&name, &failure);
+            Err(failure)
+        }
+    }
+}
+
+fn json_output(path: &Path) -> Result<Output, Failure> {
+    Output::create(&match path == Path::new("-") {
         true => Target::Stdout,
         false => Target::File(path.to_path_buf()),
-    };
-    write(&target, &[&json, b"\n"])
+    })
 }
 
-fn write_page(folder: &Path, page: Page) -> Result<(), Failure> {
+fn page_output(folder: &Path) -> Result<Output, Failure> {
     std::fs::create_dir_all(folder).map_err(|e| Failure::io(format!("the folder cannot be made: {e}")))?;
-    write(&Target::File(folder.join("index.html")), &[page.finish().as_bytes()])
+    Output::create(&Target::File(folder.join("index.html")))
 }
 
-fn write(target: &Target, parts: &[&[u8]]) -> Result<(), Failure> {
-    let mut output = Output::create(target)?;
+fn write_json(output: Output, records: &[Record]) -> Result<(), Failure> {
+    let json = serde_json::to_vec_pretty(records).map_err(|e| Failure::io(format!("no JSON: {e}")))?;
+    write(output, &[&json, b"\n"])
+}
+
+fn write(mut output: Output, parts: &[&[u8]]) -> Result<(), Failure> {
     for part in parts {
         output.write_all(part).map_err(|e| output.failure(&e))?;
     }

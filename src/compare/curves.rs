@@ -1,7 +1,8 @@
 //! Takes a method with a number to turn, makes its curve: error and time at several values of it.
 //!
 //! The sampled methods have their number of samples; the exact one has the tolerance at which curves
-//! are flattened, and the cap on the recursion. A curve stops before a point that would take longer than what is left of its budget.
+//! are flattened, and the cap on the recursion. A curve stops before a point that would take longer than
+//! what is left of its budget.
 
 use super::timing::{milliseconds, Spread};
 use super::Options;
