@@ -4,7 +4,7 @@
 use crate::edges::{BandedEdges, Bounds, EdgeList, BAND_ROWS};
 use crate::polygons::{largest_scale, Flattener};
 use crate::scene::{FillRule, Geometry, Outline, Scene};
-use crate::Viewport;
+use crate::{Settings, Viewport};
 use kurbo::{Affine, Rect};
 use std::sync::OnceLock;
 
@@ -36,6 +36,8 @@ impl<'a> PlacedOutline<'a> {
         to_pixels: Affine,
         tolerance: f64,
     ) -> &BandedEdges {
+        // A jagged pixel that flips is off by all of it: methods that flatten coarsely do not here.
+        let tolerance = if self.crisp { tolerance.min(Settings::DEFAULT_TOLERANCE) } else { tolerance };
         self.edges.get_or_init(|| {
             flattener.flatten(self.geometry, to_pixels, tolerance, list);
             list.take_banded()

@@ -311,9 +311,8 @@ fn a_reader_that_leaves_early_is_no_error() {
 fn what_is_not_drawn_is_warned_of_once_a_kind_unless_quiet() {
     let folder = Folder::with(
         r##"<svg xmlns="http://www.w3.org/2000/svg" width="9" height="9">
-        <filter id="f"><feGaussianBlur stdDeviation="2"/></filter>
-        <g id="soft" filter="url(#f)"><rect width="5" height="5"/></g>
-        <g filter="url(#f)"><rect width="5" height="5"/></g>
+        <image id="lost" width="5" height="5" href="none.png"/>
+        <image width="5" height="5" href="data:image/png;base64,AAAA"/>
         <text y="8" font-family="none such">words</text></svg>"##,
     );
     let output = folder.run(&["--skip-system-fonts", "in.svg", "out.png"]);
@@ -321,7 +320,7 @@ fn what_is_not_drawn_is_warned_of_once_a_kind_unless_quiet() {
     let said = stderr(&output);
     let lines: Vec<&str> = said.lines().collect();
     assert_eq!(lines.len(), 2, "{said}");
-    assert!(lines[0].ends_with("warning: filters are not drawn: element 'soft' and 1 more"), "{said}");
+    assert!(lines[0].ends_with("warning: images are not drawn: element 'lost' and 1 more"), "{said}");
     assert!(lines[1].contains("warning: texts without a font are not drawn: text in font-family"), "{said}");
     assert_success(&folder.run(&["--skip-system-fonts", "-q", "in.svg", "out.png"]));
 }
