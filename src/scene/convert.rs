@@ -71,6 +71,8 @@ struct Walk {
     warnings: Vec<Warning>,
     /// Rasters around the walk.
     nesting: usize,
+    /// The last group's id: usvg puts an image's own on a group around it.
+    last_id: String,
 }
 
 impl Default for Walk {
@@ -83,6 +85,7 @@ impl Default for Walk {
             groups: vec![picture],
             warnings: Vec::new(),
             nesting: 0,
+            last_id: String::new(),
         }
     }
 }
@@ -103,6 +106,8 @@ impl Walk {
 
     fn group(&mut self, group: &usvg::Group, mut place: Place) -> Result<(), Error> {
         place.transform *= affine(group.transform());
+        self.last_id.clear();
+        self.last_id.push_str(group.id());
         if let Some(clip) = group.clip_path() {
             place.clip = Some(self.clip(clip, place.transform, place.clip));
         }
@@ -141,7 +146,8 @@ impl Walk {
             JPEG(bytes) | PNG(bytes) | GIF(bytes) | WEBP(bytes) => bytes,
         };
         let Some(pixels) = decoded(bytes) else {
-            self.warn("images", image.id());
+            let id = self.last_id.clone();
+            self.warn("images", if image.id().is_empty() { &id } else { image.id() });
             return Ok(());
         };
         let (width, height) = (pixels.rect().width() as f64, pixels.rect().height() as f64);

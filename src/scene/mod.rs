@@ -3,6 +3,7 @@
 //! A scene has no size in pixels: curves stay curves and strokes stay strokes until a picture is
 //! made of them. Shapes are listed back to front, as SVG paints them.
 
+pub(crate) mod color_map;
 mod convert;
 pub(crate) mod paint;
 pub(crate) mod raster;

@@ -3,10 +3,11 @@
 //! Colours in the renderer are [`Sheet`]s: premultiplied and sRGB-encoded, with the share of light
 //! that still passes in place of alpha, so that sheets compose front to back.
 
+use super::color_map::ColorMap;
 use super::raster::Raster;
 use crate::effects::layer::Layer;
 use kurbo::{Affine, Point};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// A uniform sheet of colour: what it adds, and how much of what lies behind still shows.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -283,7 +284,7 @@ impl Gradient {
             GradientShape::Linear(map) => map * to_plane,
             GradientShape::Radial { .. } => to_plane,
         };
-        GradientShader { gradient: self, to_plane }
+        GradientShader { gradient: self, to_plane, map: OnceLock::new() }
     }
 
     /// The colour map at a parameter already spread into 0 ..= 1: straight RGBA.
@@ -338,6 +339,8 @@ pub(crate) struct GradientShader<'a> {
     gradient: &'a Gradient,
     /// From pixels to the gradient's plane.
     to_plane: Affine,
+    /// Made for the first pixel in which the colour map turns.
+    map: OnceLock<ColorMap>,
 }
 
 impl GradientShader<'_> {
@@ -346,6 +349,12 @@ impl GradientShader<'_> {
         let Some(t) = self.parameter(self.to_plane * Point::new(x, y)) else {
             return self.least();
         };
+        let reach = self.reach(Point::new(x, y), t);
+        if self.turns_within(t - reach, t + reach) {
+            let map = self.map.get_or_init(|| ColorMap::new(&self.gradient.stops, self.gradient.spread));
+            let [r, g, b, alpha] = map.mean(t - reach, t + reach);
+            return Sheet::from_channels([r, g, b, 1.0 - alpha]);
+        }
         let t = match self.gradient.spread {
             Spread::Pad => t.clamp(0.0, 1.0),
             Spread::Repeat => t - t.floor(),
@@ -363,6 +372,41 @@ impl GradientShader<'_> {
         } else {
             Sheet::CLEAR
         }
+    }
+
+    /// How far the parameter goes to either side within a pixel around a point. The parameter of a
+    /// linear gradient is spread over a pixel as the sum of two even spreads, along x and along y;
+    /// this is half the even spread of the same variance.
+    fn reach(&self, at: Point, t: f64) -> f64 {
+        let (along_x, along_y) = match self.gradient.shape {
+            GradientShape::Linear(_) => {
+                let [a, _, c, ..] = self.to_plane.as_coeffs();
+                (a, c)
+            }
+            GradientShape::Radial { .. } => {
+                let step = |dx: f64, dy: f64| {
+                    let there = self.parameter(self.to_plane * (at + kurbo::Vec2::new(dx, dy)));
+                    2.0 * (there.unwrap_or(t) - t)
+                };
+                (step(0.5, 0.0), step(0.0, 0.5))
+            }
+        };
+        0.5 * along_x.hypot(along_y)
+    }
+
+    /// Has the colour map a stop, or an end, strictly between two parameters?
+    fn turns_within(&self, from: f64, to: f64) -> bool {
+        let (first, last) = match self.gradient.spread {
+            Spread::Pad if to <= 0.0 || from >= 1.0 => return false,
+            Spread::Pad => (from.max(-1.0), to.min(2.0)),
+            // An end of the map lies between.
+            _ if from.floor() < to.floor() => return true,
+            Spread::Repeat => (from - from.floor(), to - from.floor()),
+            Spread::Reflect if from.floor() % 2.0 == 0.0 => (from - from.floor(), to - from.floor()),
+            Spread::Reflect => (1.0 + from.floor() - to, 1.0 + from.floor() - from),
+        };
+        let behind = |t: f64| self.gradient.stops.partition_point(|stop| f64::from(stop.offset) <= t);
+        behind(first) != behind(last)
     }
 
     /// The parameter at a point of the gradient's plane: for circles the greatest t with a radius
