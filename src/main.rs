@@ -9,6 +9,7 @@ fn main() -> ExitCode {
     cli::report::silence_panics();
     match cli::args::job(std::env::args_os()) {
         Ok(cli::Job::Render(job)) => cli::render::run(job),
+        Ok(cli::Job::Frames(job)) => cli::frames::run(*job),
         Ok(cli::Job::Query(job)) => cli::query::run(job),
         Ok(cli::Job::ListFonts(fonts)) => cli::fonts::list(&fonts),
         Ok(cli::Job::Completions(shell)) => cli::args::completions(shell),

@@ -9,23 +9,29 @@
 //! | [`input`] | one input → its bytes, then its tree |
 //! | [`size`] | size options, drawing → viewport |
 //! | [`render`] | the render job: every input to its place |
+//! | [`sequence`] | inputs and output of a sequence as named → frames and where they go |
+//! | [`frames`] | the frames job: a sequence to its files, or to one |
+//! | [`movie`] | frames → one file of them, in any format |
 //! | [`output`] | encoded bytes → a whole file or none |
 //! | [`query`] | the query job: ids and boxes |
 //! | [`report`] | what is said on standard error, and exit codes |
 //! | [`perf`] | times → a table or JSON |
 //!
-//! A new job (comparing methods, explaining a drawing, sampling an animation) is a new arm of
+//! A new job (comparing methods, explaining a drawing) is a new arm of
 //! [`Job`], a file beside `query.rs` and a line in `main.rs`.
 
 pub mod args;
 pub mod fonts;
+pub mod frames;
 pub mod input;
+pub mod movie;
 pub mod output;
 pub mod perf;
 pub mod places;
 pub mod query;
 pub mod render;
 pub mod report;
+pub mod sequence;
 pub mod size;
 pub mod values;
 
@@ -33,6 +39,8 @@ pub mod values;
 pub enum Job {
     /// Drawings to pictures.
     Render(render::RenderJob),
+    /// An animated drawing, or many drawings, to frames.
+    Frames(Box<frames::FramesJob>),
     /// Ids and boxes of one drawing, on standard output.
     Query(query::QueryJob),
     /// The font faces that would be used, on standard output.

@@ -14,7 +14,7 @@ const USAGE: u8 = 2;
 const BAD_INPUT: u8 = 3;
 
 /// Why one input did not become a picture.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub enum Failure {
     /// The input's fault, or that of what was asked of it.
     Input(String),
@@ -164,10 +164,17 @@ impl Progress {
                 let _ =
                     writeln!(io::stderr(), r#"{{"done":{done},"total":{total},"input":{name},"ok":{ok}}}"#);
             }
+            ProgressStyle::OpenJd => {
+                let share = 100.0 * done as f64 / total as f64;
+                let _ =
+                    writeln!(io::stderr(), "openjd_progress: {share:.1}\nopenjd_status: {done} of {total}");
+            }
             ProgressStyle::Bar if total > 1 && (self.drawn || self.started.elapsed() > Self::PATIENCE) => {
                 let full = Self::BAR * done / total;
                 let bar: String = (0..Self::BAR).map(|i| if i < full { '#' } else { '.' }).collect();
-                let _ = write!(io::stderr(), "\r[{bar}] {done}/{total}\x1b[K");
+                let seconds = self.started.elapsed().as_secs_f64();
+                let (rate, left) = (done as f64 / seconds, seconds * (total - done) as f64 / done as f64);
+                let _ = write!(io::stderr(), "\r[{bar}] {done}/{total}, {rate:.1}/s, {left:.0} s left\x1b[K");
                 self.drawn = true;
             }
             ProgressStyle::Bar => {}

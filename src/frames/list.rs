@@ -31,6 +31,13 @@ impl FrameList {
         self.ranges.iter().map(count).fold(0, u64::saturating_add)
     }
 
+    /// Whether it has this number.
+    pub fn contains(&self, number: u64) -> bool {
+        let within =
+            |r: &Range| (r.first..=r.last).contains(&number) && (number - r.first).is_multiple_of(r.step);
+        self.ranges.iter().any(within)
+    }
+
     /// The numbers. Look at [`FrameList::count_at_most`] before.
     pub fn numbers(&self) -> Vec<u64> {
         let each =
