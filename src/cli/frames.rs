@@ -160,12 +160,13 @@ impl Studio {
 
     fn run(self) -> ExitCode {
         let mut progress = Progress::new(self.job.picture.progress, self.frames.len());
-        let failures = match &self.job.destination {
+        let (failures, made) = match &self.job.destination {
             Destination::One(target) => self.to_one(target, &mut progress),
-            _ => self.to_files(&mut progress),
+            _ => (self.to_files(&mut progress), true),
         };
         progress.clear();
-        report::exit_code(self.frames.len(), &failures)
+        // Without a file, all frames are lost with the one that failed.
+        report::exit_code(if made { self.frames.len() } else { failures.len() }, &failures)
     }
 
     /// Renderers with one thread each, but for a frame alone.
@@ -243,26 +244,31 @@ impl Studio {
         self.job.picture.settings.background.is_some_and(|color| color[3] == 255)
     }
 
-    fn to_one(&self, target: &Target, progress: &mut Progress) -> Vec<Failure> {
+    /// What failed, and whether the file was made all the same.
+    fn to_one(&self, target: &Target, progress: &mut Progress) -> (Vec<Failure>, bool) {
         let mut failures = Vec::new();
         if self.frames.is_empty() || (self.job.options.skip_existing && exists(target)) {
-            return failures;
+            return (failures, true);
         }
+        // Whose fault it is if no file is made.
+        let mut name = self.job.origin.name();
         let done = Output::create(target).and_then(|mut output| {
-            let size = self.shoot(&mut output, progress, &mut failures).map_err(|e| match e {
+            let size = self.shoot(&mut output, progress, &mut failures, &mut name).map_err(|e| match e {
                 Error::Io(e) => output.failure(&e),
                 other => other.into(),
             })?;
-            let Some(size) = size else { return Ok(()) };
+            let Some(size) = size else { return Ok(false) };
             output.commit()?;
-            self.write_layout(target, size)
+            self.write_layout(target, size)?;
+            Ok(true)
         });
-        if let Err(failure) = done {
+        let made = done.unwrap_or_else(|failure| {
             progress.clear();
-            report::failure(&self.job.origin.name(), &failure);
+            report::failure(&name, &failure);
             failures.push(failure);
-        }
-        failures
+            false
+        });
+        (failures, made)
     }
 
     /// All frames to one output, and their size; `None` if none could be made.
@@ -271,6 +277,7 @@ impl Studio {
         output: &mut Output,
         progress: &mut Progress,
         failures: &mut Vec<Failure>,
+        stopped_at: &mut String,
     ) -> Result<Option<(u32, u32)>, Error> {
         let look = self.look();
         let mut reel = Reel::new(output, &look);
@@ -281,7 +288,7 @@ impl Studio {
         let sink = |n: usize, made: Result<Arc<Result<Pixmap, Failure>>, Failure>| {
             let name = &self.frames[n].name;
             let (added, ok) = match made.as_deref() {
-                Ok(Ok(picture)) => (reel.add(name, picture), true),
+                Ok(Ok(picture)) => (reel.add(picture), true),
                 Ok(Err(failure)) | Err(failure) => {
                     progress.clear();
                     report::failure(name, failure);
@@ -291,6 +298,9 @@ impl Studio {
             };
             progress.tick(name, ok && added.is_ok());
             stopped = added.err();
+            if stopped.is_some() {
+                stopped_at.clone_from(name);
+            }
             stopped.is_none()
         };
         in_order(self.frames.len(), self.threads, || self.renderer(), make, sink)?;

@@ -39,24 +39,23 @@ impl<'o> Reel<'o> {
         Reel { look, output: Some(output), movie: None, last: None, missing: 0 }
     }
 
-    /// Adds the next frame, called `name`.
+    /// Adds the next frame.
     ///
     /// # Errors
     /// When it does not go with the others or with the format, or cannot be written.
-    pub fn add(&mut self, name: &str, picture: &Pixmap) -> Result<(), Error> {
+    pub fn add(&mut self, picture: &Pixmap) -> Result<(), Error> {
         let (width, height) = (picture.width(), picture.height());
         if let Some(first) = self.last.as_ref().filter(|f| (f.width(), f.height()) != (width, height)) {
             return Err(Error::Size(format!(
-                "{name} has {width} x {height} pixels, those before {} x {} (give all one size with -w and -h)",
+                "{width} x {height} pixels after frames of {} x {} (give all one size with -w and -h)",
                 first.width(),
                 first.height()
             )));
         }
         let translucent = || picture.data().as_chunks::<4>().0.iter().any(|pixel| pixel[3] != 255);
         if self.look.format == Format::Y4m && translucent() {
-            return Err(Error::Setting(format!(
-                "{name} has transparent pixels, and y4m cannot (say --background COLOR)"
-            )));
+            let why = "it has transparent pixels, and y4m cannot (say --background COLOR)";
+            return Err(Error::Setting(why.to_string()));
         }
         if let Some(output) = self.output.take() {
             self.movie = Some(Movie::new(output, self.look, width, height)?);
