@@ -6,7 +6,7 @@ use super::output::Output;
 use super::places::{Source, Target};
 use super::render::RenderJob;
 use super::report::{self, Failure, Progress};
-use super::sequence::{Destination, Origin};
+use super::sequence::{Destination, Numbered, Origin};
 use super::size::{self, Part};
 use super::values::{self, Format};
 use super::{input, render};
@@ -432,7 +432,7 @@ fn sampled(job: &FramesJob, name: &str, count: u64, rate: Rate) -> Result<Vec<Fr
 }
 
 /// Drawings as frames: by the numbers in their names, or counted.
-fn listed(job: &FramesJob, files: &[(Option<u64>, Source)]) -> Vec<Frame> {
+fn listed(job: &FramesJob, files: &[Numbered]) -> Vec<Frame> {
     let wanted = job.options.frames.as_ref();
     let frames = files.iter().zip(job.start_number..).map(|((number, source), counted)| Frame {
         number: number.unwrap_or(counted),

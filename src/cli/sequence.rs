@@ -10,9 +10,12 @@ use std::path::{Path, PathBuf};
 pub enum Origin {
     /// One drawing, at one time after another.
     Animated(Source),
-    /// One drawing each, with the number in its name if it was found by one.
-    Files(Vec<(Option<u64>, Source)>),
+    /// One drawing each.
+    Files(Vec<Numbered>),
 }
+
+/// A drawing, and the number in its name if it was found by one.
+pub type Numbered = (Option<u64>, Source);
 
 impl Origin {
     /// For messages.
@@ -39,7 +42,7 @@ pub enum Destination {
 ///
 /// # Errors
 /// One line, when nothing is found.
-pub fn expand(paths: &[PathBuf]) -> Result<Option<Vec<(Option<u64>, Source)>>, String> {
+pub fn expand(paths: &[PathBuf]) -> Result<Option<Vec<Numbered>>, String> {
     let mut all = Vec::new();
     let mut expanded = false;
     for path in paths {
@@ -72,10 +75,7 @@ pub fn expand(paths: &[PathBuf]) -> Result<Option<Vec<(Option<u64>, Source)>>, S
 }
 
 /// Files of a folder whose names `number` knows, as people count them.
-fn listed(
-    folder: &Path,
-    number: impl Fn(&str) -> Option<Option<u64>>,
-) -> Result<Vec<(Option<u64>, Source)>, String> {
+fn listed(folder: &Path, number: impl Fn(&str) -> Option<Option<u64>>) -> Result<Vec<Numbered>, String> {
     let at = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
     let entries =
         std::fs::read_dir(at).map_err(|e| format!("the folder {} cannot be read: {e}", at.display()))?;

@@ -57,7 +57,7 @@ impl Area {
     }
 
     /// Its rows in a frame `width` pixels wide.
-    pub(super) fn rows<'p>(self, pixels: &'p [u8], width: usize) -> impl Iterator<Item = &'p [u8]> {
+    pub(super) fn rows(self, pixels: &[u8], width: usize) -> impl Iterator<Item = &[u8]> {
         let stride = width * Pixmap::BYTES_PER_PIXEL;
         let (from, to) = (self.x * Pixmap::BYTES_PER_PIXEL, (self.x + self.width) * Pixmap::BYTES_PER_PIXEL);
         pixels.chunks_exact(stride).skip(self.y).take(self.height).map(move |row| &row[from..to])

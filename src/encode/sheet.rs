@@ -108,7 +108,7 @@ impl<W: Write> SheetWriter<W> {
             row[left..left + stride].copy_from_slice(pixels);
         }
         self.frames += 1;
-        if self.frames as usize % columns == 0 {
+        if (self.frames as usize).is_multiple_of(columns) {
             self.flush()?;
         }
         Ok(())

@@ -286,8 +286,7 @@ fn find_keyframes(css: &str, found: &mut Keyframes) {
         let Some((name, body)) = after.split_once('{') else { break };
         let mut blocks = Vec::new();
         let mut body = body;
-        loop {
-            let Some(open) = body.find(['{', '}']) else { break };
+        while let Some(open) = body.find(['{', '}']) {
             if body.as_bytes()[open] == b'}' {
                 body = &body[open + 1..];
                 break;

@@ -188,7 +188,7 @@ impl Function {
     }
 
     /// A course to a value which starts from a known one.
-    pub(super) fn from_known(mut self, from: impl FnOnce(&Value) -> Value) -> Function {
+    pub(super) fn starting(mut self, from: impl FnOnce(&Value) -> Value) -> Function {
         if let Course::To(to) = &self.course {
             self.course = Course::Through(vec![from(to), to.clone()]);
         }

@@ -297,7 +297,7 @@ fn transform(node: Node, base: &str) -> Result<(Kind, Function), &'static str> {
     let own =
         base.trim().strip_suffix(')').and_then(|b| b.strip_prefix(kind.name())?.trim().strip_prefix('('));
     let from = own.map(|numbers| kind.parse(numbers));
-    let function = function.from_known(|to| match from {
+    let function = function.starting(|to| match from {
         Some(from) if from.mix(to, 0.5).is_some() => from,
         _ => identity,
     });
