@@ -244,6 +244,7 @@ fn wrong_command_lines_end_with_2_and_one_line() {
         (&["--fps", "9", "in.svg", "-"], "need --format"),
         (&["--sheet", "3x", "in.svg", "out.gif"], "--sheet makes a PNG"),
         (&["f.####.svg", "out.gif"], "no file matches"),
+        (&[".", "out.png"], "one picture for many frames"),
         (&["in.svg", "out.xyz"], "format of out.xyz"),
         (&["in.svg", "out"], "format of out"),
         (&["-b", "nocolour", "in.svg", "out.png"], "CSS colour"),
