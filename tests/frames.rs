@@ -236,6 +236,26 @@ fn frames_that_are_there_are_left_and_the_rest_is_completed() {
 }
 
 #[test]
+fn a_killed_sequence_is_completed_to_the_same_bytes() {
+    let folder = Folder::new();
+    let input = sample("bounce");
+    let common = ["--fps", "60", "-w", "300", input.as_str(), "--skip-existing", "-o"];
+    folder.make(&[common.as_slice(), &["whole/f.##.png"]].concat());
+    for pause in [20, 60, 120] {
+        let arguments = [common.as_slice(), &["killed/f.##.png"]].concat();
+        let mut command = Command::new(env!("CARGO_BIN_EXE_toon-raster"));
+        let mut child = command.current_dir(&folder.0).args(&arguments).spawn().unwrap();
+        std::thread::sleep(std::time::Duration::from_millis(pause));
+        child.kill().unwrap();
+        child.wait().unwrap();
+        folder.make(&arguments);
+        let frames = folder.files("killed").into_iter().filter(|(name, _)| name.ends_with(".png"));
+        assert!(frames.eq(folder.files("whole")), "killed after {pause} ms");
+        fs::remove_dir_all(folder.0.join("killed")).unwrap();
+    }
+}
+
+#[test]
 fn frames_of_two_sizes_are_no_movie() {
     let folder = Folder::with_frames(2);
     fs::write(folder.0.join("f.0003.svg"), square(3).replace("\"40\"", "\"41\"")).unwrap();
@@ -277,6 +297,23 @@ fn too_many_frames_are_refused_with_the_flag_that_allows_them() {
         assert_eq!(output.status.code(), Some(3));
         assert!(said(&output).contains("--max-frames"), "{}", said(&output));
     }
+}
+
+#[test]
+fn a_drawing_that_holds_still_is_painted_once() {
+    let folder = Folder::new();
+    let output = folder.run(&["--perf=json", &sample("frames"), "a.gif", "--fps", "48", "-t", "2"]);
+    let perf: serde_json::Value = serde_json::from_slice(&output.stderr).unwrap();
+    // Each quarter of the second is one picture.
+    assert_eq!((&perf["frames"], &perf["painted"]), (&48.into(), &4.into()));
+}
+
+#[test]
+fn a_million_frames_are_listed_but_not_kept() {
+    let folder = Folder::new();
+    let arguments = ["--frames", "1-1000000", "--max-frames", "1000000", "--chunk", "99999/100000"];
+    folder.make(&[arguments.as_slice(), &[&sample("frames"), "-o", "f.#######.png", "-w", "9"]].concat());
+    assert_eq!(folder.files(".").len(), 10);
 }
 
 #[test]

@@ -3,6 +3,7 @@
 
 use super::movie::{Look, Reel};
 use super::output::Output;
+use super::perf::SequencePerf;
 use super::places::{Source, Target};
 use super::render::RenderJob;
 use super::report::{self, Failure, Progress};
@@ -12,7 +13,9 @@ use super::values::{self, Format};
 use super::{input, render};
 use std::io::Write;
 use std::process::ExitCode;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::Arc;
+use std::time::Instant;
 use toon_raster::encode::{Layout, PngWriter, Rate, Yuv};
 use toon_raster::frames::list::FrameList;
 use toon_raster::frames::sequence::{in_order, Cels, AHEAD};
@@ -119,11 +122,15 @@ struct Studio {
     viewport: Option<Viewport>,
     cels: Cels<Arc<Result<Pixmap, Failure>>>,
     threads: usize,
+    started: Instant,
+    /// Pictures that were painted; the others were there already.
+    painted: AtomicU64,
 }
 
 impl Studio {
     /// Reads what is to be read first, and lists the frames.
     fn open(mut job: FramesJob) -> Result<Studio, Failure> {
+        let started = Instant::now();
         let rate = job.options.fps.unwrap_or(Rate { frames: 24, seconds: 1 });
         if let Some(folder) = &job.picture.plan.folder {
             std::fs::create_dir_all(folder)
@@ -155,7 +162,8 @@ impl Studio {
         }
         let threads = render::threads(&job.picture.settings);
         let cels = Cels::new((AHEAD + 1) * threads);
-        Ok(Studio { job, frames, rate, timeline, viewport, cels, threads })
+        let painted = AtomicU64::new(0);
+        Ok(Studio { job, frames, rate, timeline, viewport, cels, threads, started, painted })
     }
 
     fn run(self) -> ExitCode {
@@ -165,8 +173,21 @@ impl Studio {
             _ => (self.to_files(&mut progress), true),
         };
         progress.clear();
+        if let Some(style) = self.job.picture.perf {
+            self.perf().print(style);
+        }
         // Without a file, all frames are lost with the one that failed.
         report::exit_code(if made { self.frames.len() } else { failures.len() }, &failures)
+    }
+
+    fn perf(&self) -> SequencePerf {
+        SequencePerf {
+            input: self.job.origin.name(),
+            frames: self.frames.len(),
+            painted: self.painted.load(Ordering::Relaxed),
+            threads: self.threads,
+            total: self.started.elapsed(),
+        }
     }
 
     /// Renderers with one thread each, but for a frame alone.
@@ -367,6 +388,7 @@ impl Studio {
     }
 
     fn paint(&self, renderer: &mut Option<Renderer>, bytes: &[u8], name: &str) -> Result<Pixmap, Failure> {
+        self.painted.fetch_add(1, Ordering::Relaxed);
         let job = &self.job.picture;
         let (tree, unmatched) = load::tree_and_warnings(bytes, &job.options)?;
         let viewport = match self.viewport {
