@@ -309,6 +309,17 @@ fn a_drawing_that_holds_still_is_painted_once() {
 }
 
 #[test]
+fn one_frame_goes_where_one_picture_goes() {
+    let folder = Folder::new();
+    let input = sample("bounce");
+    let common = ["--fps", "10", "--frames", "4", "-w", "50", input.as_str()];
+    folder.make(&[common.as_slice(), &["-o", "f.#.png"]].concat());
+    folder.make(&[common.as_slice(), &["alone.png"]].concat());
+    let piped = folder.make(&[common.as_slice(), &["-"]].concat());
+    assert!(folder.read("f.4.png") == piped && folder.read("alone.png") == piped);
+}
+
+#[test]
 fn a_million_frames_are_listed_but_not_kept() {
     let folder = Folder::new();
     let arguments = ["--frames", "1-1000000", "--max-frames", "1000000", "--chunk", "99999/100000"];

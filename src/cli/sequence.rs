@@ -186,7 +186,7 @@ fn place(
     let path = match wanted {
         Wanted::Beside(path) | Wanted::Named(path) if path.as_os_str() != "-" => path,
         _ => {
-            return match format {
+            return match format.or((sheet || single).then_some(Format::Png)) {
                 Some(format) if format != Format::Png || sheet || single => {
                     Ok((Destination::One(Target::Stdout), format))
                 }
