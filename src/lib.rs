@@ -21,7 +21,8 @@
 //! | `zlist` | a pixel's entries, front to back → its colour where that is easy |
 //! | `pixel` | a pixel's z-list → visible regions and their areas (Catmull's integrator) → colour |
 //! | [`pixmap`] | rows of pixels → [`Pixmap`] |
-//! | [`encode`] | rows of pixels → PNG |
+//! | [`encode`] | rows of pixels → PNG; frames → APNG, GIF, Y4M, sprite sheets |
+//! | [`frames`] | a drawing that moves → the document at any time, frames in order |
 //! | [`mod@reference`] | the same drawing computed another way, slowly: the truth the tests compare with |
 //! | [`mod@compare`] | a drawing → what each method gets wrong on it, and what it costs; a page to look at |
 //!
@@ -87,6 +88,8 @@ mod pixel;
 pub mod pixmap;
 
 pub mod encode;
+
+pub mod frames;
 
 pub mod error;
 

@@ -2,10 +2,12 @@
 
 use super::compare_args::CompareArguments;
 use super::fonts::FontOptions;
-use super::places::{self, Wanted};
+use super::frames::{FramesJob, SequenceOptions};
+use super::places::{self, Pattern, Plan, Source, Wanted};
 use super::query::QueryJob;
 use super::render::RenderJob;
 use super::report::Voice;
+use super::sequence::{self, Origin};
 use super::size::{Fit, Part};
 use super::values::{self, Color, Format, PerfStyle, ProgressStyle};
 use super::Job;
@@ -31,6 +33,7 @@ const MAX_PIXELS: u64 = 1 << 28;
     override_usage = "toon-raster [OPTIONS] IN.svg OUT.png\n       \
                       toon-raster [OPTIONS] IN... -o FOLDER|shot.####.png\n       \
                       toon-raster compare [OPTIONS] IN...\n       \
+                      toon-raster [OPTIONS] ANIMATED.svg|f.####.svg|'f*.svg'|FOLDER -o shot.####.png|OUT.gif|OUT.apng|-\n       \
                       toon-raster completions SHELL",
     after_help = "`-` is standard input or output. Exit codes: 0 all done, 1 some input failed, \
                   2 usage, 3 the input can't be rendered."
@@ -54,6 +57,8 @@ struct Arguments {
     size: SizeOptions,
     #[command(flatten)]
     picture: PictureOptions,
+    #[command(flatten)]
+    sequence: SequenceOptions,
     #[command(flatten)]
     part: PartOptions,
     #[command(flatten)]
@@ -121,7 +126,7 @@ struct PictureOptions {
     /// Threads; 0 is one a core. The picture does not depend on it
     #[arg(short, long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=1024))]
     threads: u16,
-    /// png or rgba (raw pixels), where the output's name does not tell
+    /// png, rgba (raw pixels), apng, gif or y4m (video, for pipes), where the output's name does not tell
     #[arg(long, value_name = "FORMAT", value_parser = values::format)]
     format: Option<Format>,
     /// Spend the least time on packing the PNG
@@ -130,7 +135,7 @@ struct PictureOptions {
     /// Spend more time on packing the PNG
     #[arg(long)]
     small_png: bool,
-    /// First number of an output pattern
+    /// First number of an output pattern; of an animated drawing, the frame that is at its start
     #[arg(long, value_name = "N", default_value_t = 1)]
     start_number: u64,
 }
@@ -192,7 +197,7 @@ struct ReportOptions {
     /// Also what the SVG parser has to say
     #[arg(short, long)]
     verbose: bool,
-    /// bar (only on a terminal, only if the work is long), json or none
+    /// bar (only on a terminal, only if the work is long), json, openjd or none
     #[arg(long, value_name = "STYLE", default_value = "bar", value_parser = values::progress)]
     progress: ProgressStyle,
 }
@@ -250,7 +255,7 @@ fn query_job(arguments: Arguments) -> Result<Job, String> {
     let [input] = &arguments.paths[..] else {
         return Err("a query takes one input and no output (see --help)".to_string());
     };
-    let input = places::Source::from_argument(input);
+    let input = Source::from_argument(input);
     Ok(Job::Query(QueryJob {
         input,
         all,
@@ -278,10 +283,50 @@ fn render_job(mut arguments: Arguments) -> Result<Job, String> {
     if arguments.paths.is_empty() {
         return Err("no input (see --help)".to_string());
     }
+    if let Some(origin) = frames_of(&arguments, &wanted)? {
+        return frames_job(arguments, origin, wanted);
+    }
     let plan =
         places::plan(&arguments.paths, wanted, arguments.picture.format, arguments.picture.start_number)?;
+    picture_job(arguments, plan).map(|(job, _)| Job::Render(job))
+}
+
+/// Whether a sequence is asked for, by an option, by the format or by the names; where its frames come from.
+fn frames_of(arguments: &Arguments, wanted: &Wanted) -> Result<Option<Origin>, String> {
+    let paths = &arguments.paths;
+    let path = match wanted {
+        Wanted::Beside(path) | Wanted::Named(path) => Some(path.as_path()),
+        Wanted::Stdout => None,
+    };
+    let extension = path.and_then(|path| path.extension()?.to_str()).and_then(|e| values::format(e).ok());
+    let many = arguments.picture.format.or(extension).is_some_and(Format::holds_many);
+    let named =
+        path.is_some_and(|path| matches!(wanted, Wanted::Named(_)) && Pattern::find(path, 1).is_some());
+    let asked = many || arguments.sequence.ask() || (named && paths.len() == 1);
+    Ok(match sequence::expand(paths)? {
+        Some(files) => Some(Origin::Files(files)),
+        None if !asked => None,
+        None => Some(match &paths[..] {
+            [only] => Origin::Animated(Source::from_argument(only)),
+            several => Origin::Files(several.iter().map(|p| (None, Source::from_argument(p))).collect()),
+        }),
+    })
+}
+
+fn frames_job(mut arguments: Arguments, origin: Origin, wanted: Wanted) -> Result<Job, String> {
+    let (sheet, start_number) = (arguments.sequence.sheet.is_some(), arguments.picture.start_number);
+    let single = arguments.sequence.single();
+    let (destination, format, folder) =
+        sequence::destination(&origin, wanted, arguments.picture.format, sheet, single)?;
+    arguments.paths.clear();
+    let (picture, options) = picture_job(arguments, Plan { tasks: Vec::new(), format, folder })?;
+    Ok(Job::Frames(Box::new(FramesJob { picture, origin, destination, options, start_number })))
+}
+
+/// How each picture is made.
+fn picture_job(arguments: Arguments, plan: Plan) -> Result<(RenderJob, SequenceOptions), String> {
     let options = options(&arguments.reading, &arguments.size, &arguments.fonts)?;
-    let Arguments { size, picture, part, reading, report, .. } = arguments;
+    let Arguments { size, picture, sequence, part, reading, report, .. } = arguments;
     if picture.linear && picture.aa == Method::TinySkia {
         return Err(
             "--aa tiny-skia cannot mix in linear light (leave out --linear, or choose another method)"
@@ -297,7 +342,7 @@ fn render_job(mut arguments: Arguments) -> Result<Job, String> {
         stage_times: report.perf.is_some(),
         ..Settings::default()
     };
-    Ok(Job::Render(RenderJob {
+    let job = RenderJob {
         plan,
         options,
         resources_dir: reading.resources_dir,
@@ -313,7 +358,8 @@ fn render_job(mut arguments: Arguments) -> Result<Job, String> {
         perf: report.perf,
         voice: Voice { quiet: report.quiet },
         progress: told(report.progress, report.quiet),
-    }))
+    };
+    Ok((job, sequence))
 }
 
 /// A bar is for people: only on a terminal, and not if they want quiet.

@@ -9,6 +9,9 @@
 //! | [`input`] | one input → its bytes, then its tree |
 //! | [`size`] | size options, drawing → viewport |
 //! | [`render`] | the render job: every input to its place |
+//! | [`sequence`] | inputs and output of a sequence as named → frames and where they go |
+//! | [`frames`] | the frames job: a sequence to its files, or to one |
+//! | [`movie`] | frames → one file of them, in any format |
 //! | [`output`] | encoded bytes → a whole file or none |
 //! | [`query`] | the query job: ids and boxes |
 //! | [`compare_args`] | argv of `compare` → its job |
@@ -16,20 +19,23 @@
 //! | [`report`] | what is said on standard error, and exit codes |
 //! | [`perf`] | times → a table or JSON |
 //!
-//! A new job (explaining a drawing, sampling an animation) is a new arm of
+//! A new job (explaining a drawing) is a new arm of
 //! [`Job`], a file beside `query.rs` and a line in `main.rs`.
 
 pub mod args;
 pub mod compare;
 pub mod compare_args;
 pub mod fonts;
+pub mod frames;
 pub mod input;
+pub mod movie;
 pub mod output;
 pub mod perf;
 pub mod places;
 pub mod query;
 pub mod render;
 pub mod report;
+pub mod sequence;
 pub mod size;
 pub mod values;
 
@@ -37,6 +43,8 @@ pub mod values;
 pub enum Job {
     /// Drawings to pictures.
     Render(render::RenderJob),
+    /// An animated drawing, or many drawings, to frames.
+    Frames(Box<frames::FramesJob>),
     /// Ids and boxes of one drawing, on standard output.
     Query(query::QueryJob),
     /// Every method on some drawings: error and time.

@@ -92,6 +92,35 @@ impl Perf {
     }
 }
 
+/// Time of a sequence, all frames together.
+#[derive(Clone, Debug)]
+pub struct SequencePerf {
+    pub input: String,
+    pub frames: usize,
+    /// Pictures painted: fewer than frames where frames show the same, more with motion blur.
+    pub painted: u64,
+    pub threads: usize,
+    pub total: Duration,
+}
+
+impl SequencePerf {
+    pub fn print(&self, style: PerfStyle) {
+        let SequencePerf { input, frames, painted, threads, total } = self;
+        let rate = *frames as f64 / total.as_secs_f64();
+        let total = ms(*total);
+        let text = match style {
+            PerfStyle::Text => format!(
+                "{input}: {frames} frames, {painted} pictures painted, {total:.3} ms, {rate:.1} frames/s, {threads} threads"
+            ),
+            PerfStyle::Json => format!(
+                r#"{{"input":{},"frames":{frames},"painted":{painted},"threads":{threads},"total_ms":{total:.3},"frames_per_second":{rate:.3}}}"#,
+                json_string(input)
+            ),
+        };
+        let _ = writeln!(std::io::stderr(), "{text}");
+    }
+}
+
 fn ms(time: Duration) -> f64 {
     time.as_secs_f64() * 1e3
 }

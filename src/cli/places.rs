@@ -33,7 +33,7 @@ impl Source {
     }
 
     /// What a file made from it is called, without extension.
-    fn stem(&self) -> String {
+    pub fn stem(&self) -> String {
         match self {
             Source::Stdin => "stdin".to_string(),
             Source::File(path) => {
@@ -118,7 +118,7 @@ fn is_dash(path: &Path) -> bool {
     path.as_os_str() == "-"
 }
 
-fn names_folder(path: &Path) -> bool {
+pub fn names_folder(path: &Path) -> bool {
     path.is_dir() || path.as_os_str().to_string_lossy().ends_with(std::path::is_separator)
 }
 
@@ -169,7 +169,7 @@ fn to_pattern(
     Ok(Plan { tasks, format, folder })
 }
 
-fn format_of(path: &Path, asked: Option<Format>) -> Result<Format, String> {
+pub fn format_of(path: &Path, asked: Option<Format>) -> Result<Format, String> {
     if let Some(format) = asked {
         return Ok(format);
     }
@@ -180,7 +180,7 @@ fn format_of(path: &Path, asked: Option<Format>) -> Result<Format, String> {
         }),
         None if is_device => Ok(Format::Png),
         None => Err(format!(
-            "the format of {} cannot be told from its name (end it with .png or .rgba, or say --format)",
+            "the format of {} cannot be told from its name (end it with .png, .gif or the like, or say --format)",
             path.display()
         )),
     }
@@ -202,7 +202,7 @@ fn refuse_inputs_as_outputs(plan: &Plan) -> Result<(), String> {
 
 /// A file name with a place for a number: `####` or `%04d`.
 #[derive(Debug, PartialEq, Eq)]
-struct Pattern {
+pub struct Pattern {
     before: String,
     digits: usize,
     after: String,
@@ -210,7 +210,7 @@ struct Pattern {
 
 impl Pattern {
     /// The last place for a number in `path`; one `#` alone counts only if there are several inputs.
-    fn find(path: &Path, inputs: usize) -> Option<Pattern> {
+    pub fn find(path: &Path, inputs: usize) -> Option<Pattern> {
         let text = path.to_str()?;
         if let Some(end) = text.rfind('#').map(|at| at + 1) {
             let start = text[..end].trim_end_matches('#').len();
@@ -233,7 +233,15 @@ impl Pattern {
         Pattern { before: text[..start].to_string(), digits, after: text[end..].to_string() }
     }
 
-    fn numbered(&self, number: u64) -> PathBuf {
+    /// The number in a name of this pattern.
+    pub fn number(&self, name: &str) -> Option<u64> {
+        let digits = name.strip_prefix(&self.before)?.strip_suffix(&self.after)?;
+        let exact = digits.len() == self.digits || (digits.len() > self.digits && !digits.starts_with('0'));
+        digits.parse().ok().filter(|_| exact && digits.bytes().all(|b| b.is_ascii_digit()))
+    }
+
+    /// The name with this number.
+    pub fn numbered(&self, number: u64) -> PathBuf {
         PathBuf::from(format!("{}{number:0digits$}{}", self.before, self.after, digits = self.digits))
     }
 }
@@ -252,6 +260,16 @@ mod tests {
         assert_eq!(numbered("a/%04d.png", 2).as_deref(), Some("a/0007.png"));
         assert_eq!(numbered("%d.png", 2).as_deref(), Some("7.png"));
         assert_eq!(numbered("c#.png", 2).as_deref(), Some("c7.png"));
+    }
+
+    #[test]
+    fn a_pattern_knows_the_numbers_of_its_names() {
+        let number = |pattern: &str, name: &str| Pattern::find(Path::new(pattern), 2)?.number(name);
+        assert_eq!(number("f.####.svg", "f.0012.svg"), Some(12));
+        assert_eq!(number("f.####.svg", "f.12345.svg"), Some(12345));
+        assert_eq!(number("f.####.svg", "f.12.svg"), None);
+        assert_eq!(number("f.####.svg", "f.0012.png"), None);
+        assert_eq!(number("f%d.svg", "f7.svg"), Some(7));
     }
 
     #[test]

@@ -156,7 +156,8 @@ pub fn folder_of(source: &Source) -> Option<PathBuf> {
     }
 }
 
-fn threads(settings: &Settings) -> usize {
+/// Threads that the settings come to.
+pub fn threads(settings: &Settings) -> usize {
     match settings.threads {
         0 => std::thread::available_parallelism().map_or(1, usize::from),
         n => n,
@@ -265,6 +266,7 @@ impl<'o> Encoder<'o> {
                 Ok(Encoder::Png(Box::new(PngWriter::new(output, width, height, opaque, job.effort)?)))
             }
             Format::Rgba => Ok(Encoder::Rgba(output)),
+            Format::Apng | Format::Gif | Format::Y4m => unreachable!("the frames job writes these"),
         }
     }
 

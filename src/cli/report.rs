@@ -14,7 +14,7 @@ const USAGE: u8 = 2;
 const BAD_INPUT: u8 = 3;
 
 /// Why one input did not become a picture.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub enum Failure {
     /// The input's fault, or that of what was asked of it.
     Input(String),
@@ -173,6 +173,11 @@ impl Progress {
                 let _ =
                     writeln!(io::stderr(), r#"{{"done":{done},"total":{total},"input":{name},"ok":{ok}}}"#);
             }
+            ProgressStyle::OpenJd => {
+                let share = 100.0 * done as f64 / total as f64;
+                let _ =
+                    writeln!(io::stderr(), "openjd_progress: {share:.1}\nopenjd_status: {done} of {total}");
+            }
             ProgressStyle::Bar if total > 1 && (self.drawn || self.started.elapsed() > Self::PATIENCE) => {
                 self.draw("");
             }
@@ -184,8 +189,16 @@ impl Progress {
         let (done, total) = (self.done, self.total);
         let full = Self::BAR * done / total.max(1);
         let bar: String = (0..Self::BAR).map(|i| if i < full { '#' } else { '.' }).collect();
+        let seconds = self.started.elapsed().as_secs_f64();
+        let pace = match done > 0 {
+            true => {
+                let left = seconds * (total - done) as f64 / done as f64;
+                format!(", {:.1}/s, {left:.0} s left", done as f64 / seconds)
+            }
+            false => String::new(),
+        };
         let what: String = what.chars().filter(|c| !c.is_control()).take(Self::WORDS).collect();
-        let _ = write!(io::stderr(), "\r[{bar}] {done}/{total} {what}\x1b[K");
+        let _ = write!(io::stderr(), "\r[{bar}] {done}/{total}{pace} {what}\x1b[K");
         self.drawn = true;
     }
 

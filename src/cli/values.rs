@@ -1,6 +1,6 @@
 //! Takes the text of one option, makes its value, or says what would have been right.
 
-use toon_raster::encode::Effort;
+use toon_raster::encode::{Effort, Yuv};
 use toon_raster::{usvg, Method};
 
 /// What comes out of the renderer's rows.
@@ -10,6 +10,12 @@ pub enum Format {
     Png,
     /// The pixels alone: 8-bit straight RGBA, rows from the top.
     Rgba,
+    /// Frames in one PNG file.
+    Apng,
+    /// Frames in one GIF file.
+    Gif,
+    /// Frames in one stream, for video encoders.
+    Y4m,
 }
 
 impl Format {
@@ -18,7 +24,15 @@ impl Format {
         match self {
             Format::Png => "png",
             Format::Rgba => "rgba",
+            Format::Apng => "apng",
+            Format::Gif => "gif",
+            Format::Y4m => "y4m",
         }
+    }
+
+    /// Whether it is for many frames in one file.
+    pub fn holds_many(self) -> bool {
+        matches!(self, Format::Apng | Format::Gif | Format::Y4m)
     }
 }
 
@@ -38,6 +52,8 @@ pub enum ProgressStyle {
     Bar,
     /// One JSON object a line for each input done.
     Json,
+    /// What Open Job Description's runners read: `openjd_progress: 50.0`.
+    OpenJd,
     /// Not at all.
     None,
 }
@@ -46,8 +62,10 @@ pub fn format(text: &str) -> Result<Format, String> {
     match text.to_ascii_lowercase().as_str() {
         "png" => Ok(Format::Png),
         "rgba" => Ok(Format::Rgba),
-        "apng" | "gif" | "y4m" => Err(later("png or rgba")),
-        _ => Err("unknown format; use png or rgba".to_string()),
+        "apng" => Ok(Format::Apng),
+        "gif" => Ok(Format::Gif),
+        "y4m" => Ok(Format::Y4m),
+        _ => Err("unknown format; use png, rgba, apng, gif or y4m".to_string()),
     }
 }
 
@@ -55,8 +73,42 @@ pub fn method(text: &str) -> Result<Method, String> {
     text.parse().map_err(|e: toon_raster::Error| e.to_string())
 }
 
-fn later(now: &str) -> String {
-    format!("comes in a later version; use {now}")
+/// By the type's own parser.
+pub fn parsed<T: std::str::FromStr<Err = String>>(text: &str) -> Result<T, String> {
+    text.parse()
+}
+
+pub fn chunk(text: &str) -> Result<(u64, u64), String> {
+    let parts = text.split_once('/').and_then(|(i, n)| Some((i.parse().ok()?, n.parse().ok()?)));
+    parts
+        .filter(|(i, n)| (1..=*n).contains(i))
+        .ok_or_else(|| "must be I/N, from 1/N to N/N, such as 2/8".to_string())
+}
+
+pub fn columns(text: &str) -> Result<u32, String> {
+    let columns = text.strip_suffix('x').unwrap_or(text).parse().ok().filter(|&n| n > 0);
+    columns.ok_or_else(|| "must be a number of columns, such as 8x".to_string())
+}
+
+pub fn yuv(text: &str) -> Result<Yuv, String> {
+    let mut yuv = Yuv { halved: false, bt709: false };
+    for part in text.split(',').map(str::trim) {
+        match part {
+            "444" => yuv.halved = false,
+            "420" => yuv.halved = true,
+            "601" => yuv.bt709 = false,
+            "709" => yuv.bt709 = true,
+            _ => return Err("must be 444 or 420, 601 or 709, or one of each by a comma".to_string()),
+        }
+    }
+    Ok(yuv)
+}
+
+pub fn shutter(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(degrees) if degrees > 0.0 && degrees <= 3600.0 => Ok(degrees),
+        _ => Err("must be degrees above 0, 180 or 360 most often, up to 3600".to_string()),
+    }
 }
 
 pub fn length(text: &str) -> Result<u32, String> {
@@ -125,8 +177,8 @@ pub fn progress(text: &str) -> Result<ProgressStyle, String> {
         "bar" => Ok(ProgressStyle::Bar),
         "json" => Ok(ProgressStyle::Json),
         "none" => Ok(ProgressStyle::None),
-        "openjd" => Err(later("bar, json or none")),
-        _ => Err("must be bar, json or none".to_string()),
+        "openjd" => Ok(ProgressStyle::OpenJd),
+        _ => Err("must be bar, json, openjd or none".to_string()),
     }
 }
 

@@ -149,7 +149,7 @@ impl<W: Write> Write for DataChunks<W> {
     }
 }
 
-fn to_io(error: ::png::EncodingError) -> io::Error {
+pub(super) fn to_io(error: ::png::EncodingError) -> io::Error {
     match error {
         ::png::EncodingError::IoError(e) => e,
         other => io::Error::new(io::ErrorKind::InvalidInput, other.to_string()),

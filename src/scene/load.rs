@@ -10,7 +10,11 @@ mod guard;
 mod images;
 mod links;
 
+pub(crate) use arcs::has_far_arc;
+pub(crate) use links::Styled;
+
 use crate::{Error, Options, Warning};
+use std::borrow::Cow;
 use std::sync::{Arc, Mutex, OnceLock};
 use usvg::roxmltree;
 
@@ -107,8 +111,7 @@ pub fn tree_and_warnings(bytes: &[u8], options: &Options) -> Result<(usvg::Tree,
 type Unmatched = Mutex<Vec<Warning>>;
 
 fn read_tree(bytes: &[u8], options: &Options, unmatched: &Unmatched) -> Result<usvg::Tree, Error> {
-    let mut text = decode::text(bytes, options.limits.bytes)?;
-    decode::check_entities(&text, options.limits.bytes)?;
+    let mut text = text(bytes, &options.limits)?;
     for _ in 0..ROUNDS {
         let xml = parse_xml(&text)?;
         let census = guard::check(&xml, options.usvg.style_sheet.as_deref(), &options.limits)?;
@@ -121,7 +124,14 @@ fn read_tree(bytes: &[u8], options: &Options, unmatched: &Unmatched) -> Result<u
     Err(Error::Parse("its elements draw each other in circles".to_string()))
 }
 
-fn parse_xml(text: &str) -> Result<roxmltree::Document<'_>, Error> {
+/// The XML text in the bytes, which is of bounded length with its entities replaced.
+pub(crate) fn text<'b>(bytes: &'b [u8], limits: &Limits) -> Result<Cow<'b, str>, Error> {
+    let text = decode::text(bytes, limits.bytes)?;
+    decode::check_entities(&text, limits.bytes)?;
+    Ok(text)
+}
+
+pub(crate) fn parse_xml(text: &str) -> Result<roxmltree::Document<'_>, Error> {
     let options = roxmltree::ParsingOptions { allow_dtd: true, ..Default::default() };
     let xml = roxmltree::Document::parse_with_options(text, options)
         .map_err(|e| Error::Parse(format!("not well-formed XML: {e}")))?;

@@ -16,7 +16,7 @@ const DIGITS: usize = 10;
 pub(super) fn check(xml: &Document) -> Result<(), Error> {
     for node in xml.descendants() {
         let Some(data) = node.attribute("d") else { continue };
-        if may_hold_one(data) && holds_one(data) {
+        if has_far_arc(data) {
             let id = node.attribute("id").map(|id| format!(" '{id}'")).unwrap_or_default();
             return Err(Error::Limit(format!(
                 "the path{id} has an arc with coordinates beyond {FARTHEST:e} (take it out)"
@@ -24,6 +24,11 @@ pub(super) fn check(xml: &Document) -> Result<(), Error> {
         }
     }
     Ok(())
+}
+
+/// Whether path data has such an arc.
+pub(crate) fn has_far_arc(data: &str) -> bool {
+    may_hold_one(data) && holds_one(data)
 }
 
 /// Fast, and never wrongly false: an arc, and either an exponent or a long run of digits.

@@ -250,7 +250,7 @@ fn sizes(xml: &Document) -> Vec<(u64, u64)> {
 }
 
 /// An element as style sheets see it.
-struct Styled<'a>(Node<'a, 'a>);
+pub(crate) struct Styled<'a>(pub(crate) Node<'a, 'a>);
 
 impl simplecss::Element for Styled<'_> {
     fn parent_element(&self) -> Option<Self> {

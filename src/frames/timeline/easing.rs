@@ -1,0 +1,141 @@
+//! Takes a share of a time, 0..=1, makes the share of the way: cubic Bézier curves (SMIL's
+//! `keySplines`, CSS's `cubic-bezier()`) and steps. After CSS Easing Functions 1.
+
+/// A curve from (0, 0) to (1, 1), or steps.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Easing {
+    Linear,
+    /// The two inner control points: x1, y1, x2, y2, both x within 0..=1.
+    Bezier([f64; 4]),
+    Steps {
+        count: u32,
+        jump: Jump,
+    },
+}
+
+/// Where steps jump.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Jump {
+    Start,
+    End,
+    None,
+    Both,
+}
+
+impl Easing {
+    pub(super) const EASE: Easing = Easing::Bezier([0.25, 0.1, 0.25, 1.0]);
+
+    /// A Bézier curve, if its x are within 0..=1.
+    pub(super) fn bezier(points: [f64; 4]) -> Option<Easing> {
+        let ok =
+            points.iter().all(|p| p.is_finite()) && [0, 2].iter().all(|&i| (0.0..=1.0).contains(&points[i]));
+        ok.then_some(Easing::Bezier(points))
+    }
+
+    /// CSS's names and functions.
+    pub(super) fn from_css(text: &str) -> Option<Easing> {
+        Some(match text.trim() {
+            "linear" => Easing::Linear,
+            "ease" => Easing::EASE,
+            "ease-in" => Easing::Bezier([0.42, 0.0, 1.0, 1.0]),
+            "ease-out" => Easing::Bezier([0.0, 0.0, 0.58, 1.0]),
+            "ease-in-out" => Easing::Bezier([0.42, 0.0, 0.58, 1.0]),
+            "step-start" => Easing::Steps { count: 1, jump: Jump::Start },
+            "step-end" => Easing::Steps { count: 1, jump: Jump::End },
+            text => {
+                let (name, arguments) = text.strip_suffix(')')?.split_once('(')?;
+                let arguments: Vec<&str> = arguments.split(',').map(str::trim).collect();
+                return match name.trim() {
+                    "cubic-bezier" => {
+                        let points: Vec<f64> =
+                            arguments.iter().map(|a| a.parse().ok()).collect::<Option<_>>()?;
+                        Easing::bezier(points.try_into().ok()?)
+                    }
+                    "steps" => steps(&arguments),
+                    _ => None,
+                };
+            }
+        })
+    }
+
+    /// The share of the way at this share of the time.
+    pub(super) fn at(&self, x: f64) -> f64 {
+        match self {
+            Easing::Linear => x,
+            Easing::Bezier(points) => bezier_at(*points, x),
+            &Easing::Steps { count, jump } => {
+                let n = f64::from(count);
+                let done = (x * n + 1e-9).floor().clamp(0.0, n);
+                match jump {
+                    Jump::End => done / n,
+                    Jump::Start => ((done + 1.0) / n).min(1.0),
+                    Jump::None => done.min(n - 1.0) / (n - 1.0),
+                    Jump::Both => ((done + 1.0) / (n + 1.0)).min(1.0),
+                }
+            }
+        }
+    }
+}
+
+fn steps(arguments: &[&str]) -> Option<Easing> {
+    let count: u32 = arguments.first()?.parse().ok().filter(|&n| n >= 1)?;
+    let jump = match arguments.get(1).copied() {
+        None | Some("end" | "jump-end") => Jump::End,
+        Some("start" | "jump-start") => Jump::Start,
+        Some("jump-none") if count > 1 => Jump::None,
+        Some("jump-both") => Jump::Both,
+        _ => return None,
+    };
+    Some(Easing::Steps { count, jump })
+}
+
+/// y where the curve's x is `x`: x grows along the curve, so bisection finds the place.
+fn bezier_at([x1, y1, x2, y2]: [f64; 4], x: f64) -> f64 {
+    /// Halvings: more than a double's digits.
+    const HALVINGS: usize = 60;
+    if x <= 0.0 || x >= 1.0 {
+        return x.clamp(0.0, 1.0);
+    }
+    let along = |a: f64, b: f64, s: f64| {
+        let r = 1.0 - s;
+        3.0 * r * r * s * a + 3.0 * r * s * s * b + s * s * s
+    };
+    let (mut low, mut high) = (0.0, 1.0);
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (low + high);
+        if along(x1, x2, middle) < x {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    along(y1, y2, 0.5 * (low + high))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn css(text: &str, x: f64) -> f64 {
+        Easing::from_css(text).unwrap().at(x)
+    }
+
+    #[test]
+    fn curves_pass_where_css_says() {
+        assert!((css("ease", 0.5) - 0.802_403).abs() < 1e-5);
+        assert!((css("ease-in-out", 0.5) - 0.5).abs() < 1e-9);
+        assert!((css("cubic-bezier(0, 0, 1, 1)", 0.3) - 0.3).abs() < 1e-9);
+        assert_eq!(css("ease", 1.0), 1.0);
+        assert_eq!(Easing::from_css("cubic-bezier(2, 0, 1, 1)"), None);
+    }
+
+    #[test]
+    fn steps_jump_where_they_say() {
+        let at = |text: &str| [0.0, 0.3, 0.5, 1.0].map(|x| css(text, x));
+        assert_eq!(at("steps(2)"), [0.0, 0.0, 0.5, 1.0]);
+        assert_eq!(at("steps(2, start)"), [0.5, 0.5, 1.0, 1.0]);
+        assert_eq!(at("steps(2, jump-none)"), [0.0, 0.0, 1.0, 1.0]);
+        assert_eq!(at("steps(3, jump-both)"), [0.25, 0.25, 0.5, 1.0]);
+        assert_eq!(at("step-end"), [0.0, 0.0, 0.0, 1.0]);
+    }
+}
