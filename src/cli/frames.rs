@@ -150,7 +150,13 @@ impl Studio {
                 timeline = Some(read);
                 sampled(&job, &name, count, rate)?
             }
-            Origin::Files(files) => listed(&job, files),
+            Origin::Files(files) => {
+                // The frames of a film stand side by side.
+                let folder = files.first().and_then(|(_, source)| render::folder_of(source));
+                let picture = &mut job.picture;
+                picture.options.usvg.resources_dir = picture.resources_dir.clone().or(folder);
+                listed(&job, files)
+            }
         };
         let frames = chunk(frames, job.options.chunk);
         let most = job.options.max_frames;
