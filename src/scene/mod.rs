@@ -22,7 +22,7 @@ use usvg::tiny_skia_path::Path;
 #[derive(Default)]
 pub struct Options {
     /// What usvg asks for: dpi, languages, style sheet, default font family. Its image resolver is
-    /// not called (images are never opened), and its font database stands in for
+    /// not called (images are opened under this library's own limits), and its font database stands in for
     /// [`Options::fonts`] if it holds any font.
     pub usvg: usvg::Options<'static>,
     /// Where fonts come from, asked only for drawings with text; by default the system's.
@@ -34,8 +34,8 @@ pub struct Options {
 /// Something in the drawing which is not drawn as SVG says.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Warning {
-    /// What is left out, in the plural: `masks`, `filters`, `patterns`, `images`, `blend modes`,
-    /// `clipped miter joins`, `texts without a font`.
+    /// What is left out, in the plural: `images` (that cannot be read), `clipped miter joins`, `texts
+    /// without a font`.
     pub kind: &'static str,
     /// The first element that has it: its `id`, or where it stands when it has none.
     pub element: String,

@@ -1,0 +1,202 @@
+//! Filters, masks, blend modes, patterns, images and colour maps: small drawings whose pixels are known.
+
+use toon_raster::{Method, Options, Pixmap, Renderer, Scene, Settings, Viewport};
+
+fn render_with(width: u32, height: u32, body: &str, settings: Settings) -> Pixmap {
+    let svg = format!(
+        "<svg xmlns='http://www.w3.org/2000/svg' xmlns:xlink='http://www.w3.org/1999/xlink' width='{width}' height='{height}'>{body}</svg>"
+    );
+    let scene = Scene::from_bytes(svg.as_bytes(), &Options::default()).expect("a drawing");
+    assert!(scene.warnings().is_empty(), "{:?}", scene.warnings());
+    let mut renderer = Renderer::new(settings).expect("a renderer");
+    renderer.render(&scene, &Viewport::fit(&scene, width, height)).expect("a picture")
+}
+
+fn render(width: u32, height: u32, body: &str) -> Pixmap {
+    render_with(width, height, body, Settings::default())
+}
+
+#[track_caller]
+fn assert_pixel(picture: &Pixmap, (x, y): (u32, u32), expected: [u8; 4]) {
+    let found = picture.pixel(x, y);
+    let near = found.iter().zip(expected).all(|(&a, b)| a.abs_diff(b) <= 1);
+    assert!(near, "pixel ({x}, {y}) is {found:?}, not {expected:?}");
+}
+
+#[test]
+fn a_blur_spreads_light_and_keeps_all_of_it() {
+    let body = "<filter id='f' x='-2' y='-2' width='5' height='5' color-interpolation-filters='sRGB'>
+        <feGaussianBlur stdDeviation='3'/></filter>
+        <rect x='24' y='24' width='16' height='16' filter='url(#f)'/>";
+    let picture = render(64, 64, body);
+    let alpha = |x, y| f64::from(picture.pixel(x, y)[3]);
+    let sum: f64 = (0..64 * 64).map(|i| alpha(i % 64, i / 64)).sum();
+    assert!((sum / 255.0 - 256.0).abs() < 3.0, "{}", sum / 255.0);
+    assert!((alpha(24, 32) + alpha(23, 32) - 255.0).abs() < 6.0, "an edge is half way in its middle");
+    assert_eq!(picture.pixel(5, 5), [0; 4]);
+}
+
+#[test]
+fn a_mask_lets_through_by_luminance_or_by_alpha() {
+    let masked = |kind: &str, paint: &str| {
+        let body = format!(
+            "<mask id='m' mask-type='{kind}'><rect width='4' height='8' {paint}/></mask>
+            <rect width='8' height='8' fill='#f00' mask='url(#m)'/>"
+        );
+        render(8, 8, &body)
+    };
+    let white = masked("luminance", "fill='#fff'");
+    assert_pixel(&white, (1, 1), [255, 0, 0, 255]);
+    assert_pixel(&white, (6, 1), [0; 4]);
+    assert_pixel(&masked("luminance", "fill='#000'"), (1, 1), [0; 4]);
+    assert_pixel(&masked("luminance", "fill='#808080'"), (1, 1), [255, 0, 0, 128]);
+    assert_pixel(&masked("alpha", "fill='#000' opacity='.5'"), (1, 1), [255, 0, 0, 128]);
+}
+
+#[test]
+fn a_blend_mode_mixes_with_what_lies_below_in_its_own_group_only() {
+    let multiply = "style='mix-blend-mode:multiply'";
+    let open = render(
+        4,
+        4,
+        &format!(
+            "<rect width='4' height='4' fill='#ff0'/><rect width='2' height='4' fill='#0ff' {multiply}/>"
+        ),
+    );
+    assert_pixel(&open, (0, 0), [0, 255, 0, 255]);
+    assert_pixel(&open, (3, 0), [255, 255, 0, 255]);
+    // Isolated, it has nothing below.
+    let isolated = render(
+        4,
+        4,
+        &format!("<rect width='4' height='4' fill='#ff0'/><g style='isolation:isolate'><rect width='2' height='4' fill='#0ff' {multiply}/></g>"),
+    );
+    assert_pixel(&isolated, (0, 0), [0, 255, 255, 255]);
+    // Two in a row, and half transparent: multiply of .5 white over red is red still.
+    let twice = render(
+        4,
+        4,
+        &format!("<rect width='4' height='4' fill='#f00'/><rect width='4' height='4' fill='#fff' opacity='.5' {multiply}/><rect width='4' height='4' fill='#888' {multiply}/>"),
+    );
+    assert_pixel(&twice, (1, 1), [0x88, 0, 0, 255]);
+}
+
+#[test]
+fn a_background_is_what_blend_modes_meet_too() {
+    let settings = Settings { background: Some([255, 255, 0, 255]), ..Settings::default() };
+    let body = "<rect width='4' height='4' fill='#0ff' style='mix-blend-mode:multiply'/>";
+    assert_pixel(&render_with(4, 4, body, settings), (1, 1), [0, 255, 0, 255]);
+}
+
+#[test]
+fn a_pattern_repeats_its_tile_exactly_and_without_seams() {
+    // Tiles of 2.5 pixels, one half red: their borders run through pixels, and every other column of
+    // borders has red on one side only.
+    let body = "<pattern id='p' width='2.5' height='2.5' patternUnits='userSpaceOnUse'>
+        <rect width='2.5' height='2.5' fill='#00f'/><rect width='1.25' height='2.5' fill='#f00'/></pattern>
+        <rect width='20' height='20' fill='url(#p)'/>";
+    let picture = render(20, 20, body);
+    for x in 0..20 {
+        // Red covers [2.5 k, 2.5 k + 1.25).
+        let red: f64 = (0..8)
+            .map(|k| 2.5 * f64::from(k))
+            .map(|start| ((start + 1.25).min(f64::from(x) + 1.0) - start.max(f64::from(x))).max(0.0))
+            .sum();
+        let level = (255.0 * red).round() as u8;
+        for y in [0, 7, 19] {
+            assert_pixel(&picture, (x, y), [level, 0, 255 - level, 255]);
+        }
+    }
+}
+
+#[test]
+fn tiles_by_the_million_are_their_mean() {
+    let body = "<pattern id='p' width='.01' height='.01' patternUnits='userSpaceOnUse'>
+        <rect width='.005' height='.01' fill='#f00'/></pattern><rect width='64' height='64' fill='url(#p)'/>";
+    assert_pixel(&render(64, 64, body), (30, 30), [255, 0, 0, 128]);
+}
+
+#[test]
+fn an_image_is_decoded_scaled_and_framed() {
+    // Two pixels: red, blue.
+    let image = "data:image/png;base64,iVBORw0KGgoAAAANSUhEUgAAAAIAAAABCAIAAAB7QOjdAAAADUlEQVR4nGP4zwAE/wEHAAH/4iOeWQAAAABJRU5ErkJggg==";
+    let drawn = |style: &str| {
+        render(
+            8,
+            4,
+            &format!("<image width='8' height='4' preserveAspectRatio='none' {style} xlink:href='{image}'/>"),
+        )
+    };
+    let squares = drawn("image-rendering='optimizeSpeed'");
+    assert_pixel(&squares, (3, 1), [255, 0, 0, 255]);
+    assert_pixel(&squares, (4, 1), [0, 0, 255, 255]);
+    let smooth = drawn("");
+    assert_pixel(&smooth, (0, 1), [255, 0, 0, 255]);
+    let [r, _, b, a] = smooth.pixel(3, 1);
+    assert!(r > 128 && b > 60 && b < 128 && a == 255, "{:?}", smooth.pixel(3, 1));
+}
+
+#[test]
+fn a_hard_stop_is_a_smooth_edge_and_fine_repeats_are_their_mean() {
+    let gradient = |attributes: &str| {
+        format!(
+            "<linearGradient id='g' gradientUnits='userSpaceOnUse' {attributes}>
+            <stop offset='.5' stop-color='#000'/><stop offset='.5' stop-color='#fff'/></linearGradient>
+            <rect width='16' height='4' fill='url(#g)'/>"
+        )
+    };
+    let hard = render(16, 4, &gradient("x1='0' x2='16.5'"));
+    assert_pixel(&hard, (7, 1), [0, 0, 0, 255]);
+    assert_pixel(&hard, (8, 1), [191, 191, 191, 255]);
+    assert_pixel(&hard, (9, 1), [255, 255, 255, 255]);
+    let fine = render(16, 4, &gradient("x1='0' x2='.001' spreadMethod='repeat'"));
+    (0..16).for_each(|x| assert_pixel(&fine, (x, 2), [128, 128, 128, 255]));
+}
+
+#[test]
+fn layers_are_the_same_for_every_thread_count_and_band_by_band() {
+    let svg = std::fs::read(concat!(env!("CARGO_MANIFEST_DIR"), "/samples/effects.svg")).expect("a sample");
+    let scene = Scene::from_bytes(&svg, &Options::default()).expect("a drawing");
+    assert!(scene.warnings().is_empty(), "{:?}", scene.warnings());
+    let viewport = Viewport::fit(&scene, 300, 200);
+    let picture = |threads| {
+        let mut renderer = Renderer::new(Settings { threads, ..Settings::default() }).expect("a renderer");
+        let whole = renderer.render(&scene, &viewport).expect("a picture");
+        let mut rows = Vec::new();
+        let sink = |some: &[u8]| {
+            rows.extend_from_slice(some);
+            Ok(())
+        };
+        renderer.render_bands(&scene, &viewport, sink).expect("a picture");
+        assert_eq!(whole.data(), rows);
+        whole
+    };
+    assert_eq!(picture(1), picture(2));
+    assert_eq!(picture(1), picture(3));
+}
+
+#[test]
+fn methods_that_cannot_draw_layers_say_so() {
+    let svg = std::fs::read(concat!(env!("CARGO_MANIFEST_DIR"), "/samples/effects.svg")).expect("a sample");
+    let scene = Scene::from_bytes(&svg, &Options::default()).expect("a drawing");
+    let viewport = Viewport::fit(&scene, 60, 40);
+    for &method in Method::ALL {
+        let mut renderer =
+            Renderer::new(Settings { threads: 1, ..Settings::of(method) }).expect("a renderer");
+        let made = renderer.render(&scene, &viewport);
+        let refuses = matches!(method, Method::Beam | Method::TinySkia);
+        assert_eq!(made.is_err(), refuses, "{method}: {:?}", made.err());
+    }
+}
+
+#[test]
+fn absurd_effects_end_in_bounded_time() {
+    for body in [
+        "<filter id='f'><feGaussianBlur stdDeviation='1e9'/></filter><rect width='9' height='9' filter='url(#f)'/>",
+        "<filter id='f' x='-1e6' y='-1e6' width='2e6' height='2e6'><feFlood/></filter><rect width='9' height='9' filter='url(#f)'/>",
+        "<pattern id='p' width='1e-6' height='1e6' patternUnits='userSpaceOnUse'><rect width='1' height='1'/></pattern><rect width='64' height='64' fill='url(#p)'/>",
+        "<mask id='m' x='-1e30' width='2e30'><rect width='1e30' height='9'/></mask><rect width='9' height='9' mask='url(#m)'/>",
+    ] {
+        render(64, 64, body);
+    }
+}
