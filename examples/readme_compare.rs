@@ -2,7 +2,8 @@
 //! `cargo run --release --example readme_compare`. Writes `docs/accuracy-cost.svg` and the part of
 //! `README.md` between `<!-- methods:begin -->` and `<!-- methods:end -->`; nothing is edited by hand.
 //!
-//! All samples that have no text (fonts differ from machine to machine), 512 pixels wide, on one thread;
+//! All samples of flat paint (of gradients and layers of pixels the reference is no truth) without text
+//! (fonts differ from machine to machine), 512 pixels wide, on one thread;
 //! errors are means over the drawings, times and ratios geometric means.
 
 use std::error::Error;
@@ -12,6 +13,7 @@ use std::time::Instant;
 use toon_raster::compare::report::plot::{Mark, Plot, Series};
 use toon_raster::compare::report::Circumstances;
 use toon_raster::compare::{compare, Options, Record, Subject};
+use toon_raster::reference;
 use toon_raster::scene::load;
 use toon_raster::{usvg, Scene, Viewport};
 
@@ -41,14 +43,14 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// The samples without text, in the order of their names.
+/// The samples of flat paint without text, in the order of their names.
 fn drawings(root: &Path) -> Result<Vec<PathBuf>, Box<dyn Error>> {
     let mut paths = Vec::new();
     for folder in ["samples", "samples/corpus"] {
         for entry in std::fs::read_dir(root.join(folder))? {
             let path = entry?.path();
             let is_drawing = path.extension().is_some_and(|e| e == "svg" || e == "svgz");
-            if is_drawing && !has_text(&std::fs::read(&path)?) {
+            if is_drawing && is_flat(&std::fs::read(&path)?)? {
                 paths.push(path);
             }
         }
@@ -57,9 +59,13 @@ fn drawings(root: &Path) -> Result<Vec<PathBuf>, Box<dyn Error>> {
     Ok(paths)
 }
 
-/// None of the packed ones has any.
-fn has_text(bytes: &[u8]) -> bool {
-    bytes.windows(5).any(|five| five == b"<text")
+/// None of the packed ones has any text.
+fn is_flat(bytes: &[u8]) -> Result<bool, Box<dyn Error>> {
+    if bytes.windows(5).any(|five| five == b"<text") {
+        return Ok(false);
+    }
+    let tree = load::tree_from_bytes(bytes, &Default::default())?;
+    Ok(reference::unsupported(&tree).is_empty() && !reference::has_gradients(&tree))
 }
 
 fn records(path: &Path, name: String, options: &Options) -> Result<Vec<Record>, Box<dyn Error>> {
