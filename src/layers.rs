@@ -7,14 +7,15 @@
 use crate::effects::blend::blend;
 use crate::effects::filter::region::{regions, Canvas};
 use crate::effects::filter::{self, Job};
-use crate::effects::highlights::Highlights;
-use crate::effects::layer::{IntRect, Layer, Pixel, Space, CLEAR};
+use crate::effects::highlights::Aliasing;
+use crate::effects::layer::{between, IntRect, Layer, Pixel, Space, CLEAR};
 use crate::effects::mask;
 use crate::scene::paint::{Paint, Shader};
 use crate::scene::raster::{Mask, Raster, RasterGroup, Source};
 use crate::scene::{Clip, ClipMember, FillRule, Geometry, Outline, Scene, Shape};
 use crate::{texture, Error, Renderer, Settings, Viewport};
 use kurbo::{Affine, Point, Rect, Vec2};
+use std::cell::Cell;
 use std::sync::Arc;
 
 /// Pixels of all layers of one scene: 4 GB.
@@ -26,7 +27,8 @@ const MOST_TILES: f64 = 1024.0;
 /// A tile that is copied is made in no more pixels than this a side.
 const LARGEST_TILE: f64 = 2048.0;
 
-/// The shader of every shape that has one; empty for a scene of flat paint.
+/// The shader of every shape that has one; empty for a scene of flat paint. And, where stages are timed,
+/// what aliases of the highlights of this scene's own filters.
 ///
 /// # Errors
 /// [`Error::Limit`] when layers would hold too many pixels.
@@ -34,11 +36,12 @@ pub(crate) fn shaders<'a>(
     scene: &'a Scene,
     viewport: &Viewport,
     settings: &Settings,
-) -> Result<Vec<Option<Shader<'a>>>, Error> {
+) -> Result<(Vec<Option<Shader<'a>>>, Option<Aliasing>), Error> {
     if scene.shapes.iter().all(|shape| matches!(shape.paint, Paint::Flat(_))) {
-        return Ok(Vec::new());
+        return Ok((Vec::new(), None));
     }
-    let mut artist = Artist { scene, viewport, settings, pixels: 0 };
+    let aliasing = Cell::new(settings.stage_times.then(Aliasing::default));
+    let mut artist = Artist { scene, viewport, settings, pixels: 0, aliasing };
     let mut shaders = Vec::with_capacity(scene.shapes.len());
     for shape in &scene.shapes {
         let shader = match &shape.paint {
@@ -51,7 +54,7 @@ pub(crate) fn shaders<'a>(
         };
         shaders.push(shader);
     }
-    Ok(shaders)
+    Ok((shaders, artist.aliasing.get()))
 }
 
 /// Makes the layers of one scene.
@@ -61,6 +64,7 @@ struct Artist<'a> {
     settings: &'a Settings,
     /// Pixels of the layers so far.
     pixels: u64,
+    aliasing: Cell<Option<Aliasing>>,
 }
 
 impl Artist<'_> {
@@ -136,11 +140,12 @@ impl Artist<'_> {
         };
         let mut job = Job {
             to_canvas: canvas.to_canvas,
-            highlights: Highlights::AsIs,
-            aliasing: None,
+            highlights: self.settings.highlights,
+            aliasing: self.aliasing.get(),
             draw: &mut draw,
         };
         let layer = filter::apply(&group.filters, &regions, source, &mut job)?;
+        self.aliasing.set(job.aliasing);
         Ok(canvas.shown(layer, rect))
     }
 
@@ -243,18 +248,10 @@ impl Artist<'_> {
 
 /// Bilinear between the pixels of a tile that repeats.
 fn wrapped(tile: &Layer, at: Point) -> Pixel {
-    let (x, y) = (at.x - 0.5, at.y - 0.5);
-    let (right, below) = ((x - x.floor()) as f32, (y - y.floor()) as f32);
-    let pixel = |dx: i64, dy: i64| {
-        let column = (x.floor() as i64).saturating_add(dx).rem_euclid(tile.rect().width() as i64);
-        let row = (y.floor() as i64).saturating_add(dy).rem_euclid(tile.rect().height() as i64);
+    between(at.x - 0.5, at.y - 0.5, |x, y| {
+        let column = (x as i64).rem_euclid(tile.rect().width() as i64);
+        let row = (y as i64).rem_euclid(tile.rect().height() as i64);
         tile.pixel(column as i32, row as i32)
-    };
-    let (one, two, three, four) = (pixel(0, 0), pixel(1, 0), pixel(0, 1), pixel(1, 1));
-    std::array::from_fn(|i| {
-        let upper = one[i] + (two[i] - one[i]) * right;
-        let lower = three[i] + (four[i] - three[i]) * right;
-        upper + (lower - upper) * below
     })
 }
 

@@ -99,9 +99,9 @@ pub mod compare;
 
 mod bitmap;
 
-#[allow(dead_code)] // The renderer does not call it yet.
 pub(crate) mod effects;
 
+pub use effects::highlights::Highlights;
 pub use error::Error;
 pub use methods::Method;
 pub use pixmap::Pixmap;

@@ -9,6 +9,7 @@
 use crate::band::{band_count, Laps, Picture};
 use crate::cel::Rows;
 use crate::edges::{BAND_ROWS, LARGEST_SIDE};
+use crate::effects::highlights::Highlights;
 use crate::layers;
 use crate::methods::{painter, BandPainter, Method, Painter, PicturePainter};
 use crate::outlines::{BandLists, Outlines};
@@ -35,6 +36,8 @@ pub struct Settings {
     /// Pieces that Catmull's recursion may hold against regions in one pixel, before the pixel is
     /// sampled on 128 lines instead. Pixels whose closed form is known never come to it.
     pub most_work: u32,
+    /// What is done about specular highlights (feSpecularLighting) that alias.
+    pub highlights: Highlights,
     /// Threads to use; 0 for one a core. The bytes do not depend on it.
     pub threads: usize,
     /// Take the time of each stage for [`Renderer::stages`]. Without it no clock is read in a band.
@@ -49,6 +52,7 @@ impl Default for Settings {
             linear: false,
             background: None,
             most_work: Settings::DEFAULT_MOST_WORK,
+            highlights: Highlights::AsIs,
             threads: 0,
             stage_times: false,
         }
@@ -257,7 +261,7 @@ impl Renderer {
         self.resize(viewport);
         let mut outlines = Outlines::new(scene, viewport, self.settings.method.is_jagged());
         let bands = BandLists::new(&outlines.shapes, viewport.height);
-        let shaders = layers::shaders(scene, viewport, &self.settings)?;
+        let (shaders, aliasing) = layers::shaders(scene, viewport, &self.settings)?;
         let background = self.settings.background.map_or(Sheet::CLEAR, |[r, g, b, a]| {
             Sheet::new([r, g, b].map(|c| f32::from(c) / 255.0), f32::from(a) / 255.0)
         });
@@ -287,6 +291,12 @@ impl Renderer {
             false => self.stages.times.extend(laps),
         }
         self.stages.counts = self.take_counts();
+        if let Some(aliasing) = aliasing.filter(|aliasing| aliasing.pixels > 0) {
+            let cure = aliasing.sampling_rate.ceil() as u64;
+            let found =
+                [("highlight_pixels_aliasing", aliasing.pixels as u64), ("highlight_samples_a_side", cure)];
+            self.stages.counts.extend(found);
+        }
         Ok(())
     }
 

@@ -5,7 +5,7 @@
 //! box around the pixel's parallelogram in the image costs four look-ups, however large it is. The
 //! table is made only for images that are made smaller.
 
-use crate::effects::layer::{IntRect, Layer, Pixel, Space, CLEAR};
+use crate::effects::layer::{between, IntRect, Layer, Pixel, Space, CLEAR};
 use kurbo::{Affine, Point};
 
 /// Draws `image`, whose pixels are unit squares from the origin on, over a rectangle. Beyond its edges
@@ -27,7 +27,7 @@ pub(crate) fn drawn(image: &Layer, to_pixels: Affine, rect: IntRect, nearest: bo
         *pixel = match &table {
             Some(table) => table.mean(at, width.max(1.0), height.max(1.0)),
             None if nearest => clamped(image, at.x.floor(), at.y.floor()),
-            None => between(image, at),
+            None => between(at.x - 0.5, at.y - 0.5, |x, y| clamped(image, x, y)),
         };
     }
     layer
@@ -39,18 +39,6 @@ fn clamped(image: &Layer, x: f64, y: f64) -> Pixel {
     let x = x.clamp(0.0, last(image.rect().width()));
     let y = y.clamp(0.0, last(image.rect().height()));
     image.pixel(x as i32, y as i32)
-}
-
-fn between(image: &Layer, at: Point) -> Pixel {
-    let (x, y) = ((at.x - 0.5).floor(), (at.y - 0.5).floor());
-    let (right, below) = ((at.x - 0.5 - x) as f32, (at.y - 0.5 - y) as f32);
-    let corner = |dx: f64, dy: f64| clamped(image, x + dx, y + dy);
-    let (one, two, three, four) = (corner(0.0, 0.0), corner(1.0, 0.0), corner(0.0, 1.0), corner(1.0, 1.0));
-    std::array::from_fn(|i| {
-        let upper = one[i] + (two[i] - one[i]) * right;
-        let lower = three[i] + (four[i] - three[i]) * right;
-        upper + (lower - upper) * below
-    })
 }
 
 /// Of each corner of a pixel, the sum of all pixels above and left of it.

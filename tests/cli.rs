@@ -389,7 +389,7 @@ fn help_names_every_option_that_exists() {
     let help = String::from_utf8(output.stdout).unwrap();
     let options = "-w, --width|-h, --height|-z, --zoom|--dpi|-b, --background|-i, --export-id|\
         --export-area-page|--export-area-drawing|--query-all|--query-bbox|--use-font-file|--use-fonts-dir|\
-        --skip-system-fonts|--font-family|--list-fonts|--aa|--tolerance|--linear|-t, --threads|--format|\
+        --skip-system-fonts|--font-family|--list-fonts|--aa|--tolerance|--linear|--highlights|-t, --threads|--format|\
         --fast-png|--small-png|--max-pixels|--perf|-q, --quiet|-v, --verbose|--progress|-o, --output|\
         -V, --version|--start-number|--stylesheet|--languages|--shape-rendering|--text-rendering|\
         --resources-dir|completions";

@@ -1,6 +1,6 @@
 //! Filters, masks, blend modes, patterns, images and colour maps: small drawings whose pixels are known.
 
-use toon_raster::{Method, Options, Pixmap, Renderer, Scene, Settings, Viewport};
+use toon_raster::{Highlights, Method, Options, Pixmap, Renderer, Scene, Settings, Viewport};
 
 fn render_with(width: u32, height: u32, body: &str, settings: Settings) -> Pixmap {
     let svg = format!(
@@ -151,6 +151,33 @@ fn a_hard_stop_is_a_smooth_edge_and_fine_repeats_are_their_mean() {
     assert_pixel(&hard, (9, 1), [255, 255, 255, 255]);
     let fine = render(16, 4, &gradient("x1='0' x2='.001' spreadMethod='repeat'"));
     (0..16).for_each(|x| assert_pixel(&fine, (x, 2), [128, 128, 128, 255]));
+}
+
+#[test]
+fn a_sharp_highlight_on_a_small_bump_is_clamped_and_told_of_only_where_asked() {
+    let body = "<filter id='f' primitiveUnits='userSpaceOnUse' x='0' y='0' width='16' height='16'>
+        <feSpecularLighting surfaceScale='6' specularExponent='128' lighting-color='#fff'>
+        <feDistantLight azimuth='90' elevation='60'/></feSpecularLighting></filter>
+        <circle cx='8' cy='8' r='4' filter='url(#f)'/>";
+    let lit = |highlights| render_with(16, 16, body, Settings { highlights, ..Settings::default() });
+    let as_is = lit(Highlights::AsIs);
+    assert_eq!(as_is, render(16, 16, body));
+    assert!(as_is.data().iter().any(|&level| level > 0), "something shines");
+    for highlights in [Highlights::Clamp, Highlights::Aggressive, Highlights::Supersample] {
+        assert_ne!(lit(highlights), as_is, "{highlights:?}");
+    }
+    let counts = |stage_times| {
+        let svg = format!("<svg xmlns='http://www.w3.org/2000/svg' width='16' height='16'>{body}</svg>");
+        let scene = Scene::from_bytes(svg.as_bytes(), &Options::default()).expect("a drawing");
+        let mut renderer =
+            Renderer::new(Settings { stage_times, ..Settings::default() }).expect("a renderer");
+        renderer.render(&scene, &Viewport::fit(&scene, 16, 16)).expect("a picture");
+        let named = |name| renderer.stages().counts.iter().find(|count| count.0 == name).map(|count| count.1);
+        (named("highlight_pixels_aliasing"), named("highlight_samples_a_side"))
+    };
+    assert_eq!(counts(false), (None, None));
+    let (pixels, samples) = counts(true);
+    assert!(pixels > Some(0) && samples > Some(1), "{pixels:?} {samples:?}");
 }
 
 #[test]

@@ -16,7 +16,7 @@ use std::ffi::OsString;
 use std::io::IsTerminal;
 use std::path::PathBuf;
 use std::process::ExitCode;
-use toon_raster::{usvg, Method, Options, Settings};
+use toon_raster::{usvg, Highlights, Method, Options, Settings};
 
 /// Most pixels of a picture if nothing else is said: 16,384 squared, 1 GiB of raw RGBA.
 const MAX_PIXELS: u64 = 1 << 28;
@@ -123,6 +123,10 @@ struct PictureOptions {
     /// Mix edges in linear light (opacity still composites as SVG says)
     #[arg(long)]
     linear: bool,
+    /// Specular highlights that alias: as-is, clamp (their exponent), aggressive (a thousandth of their
+    /// power may alias) or supersample
+    #[arg(long, value_name = "WAY", default_value = "as-is", value_parser = values::highlights)]
+    highlights: Highlights,
     /// Threads; 0 is one a core. The picture does not depend on it
     #[arg(short, long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=1024))]
     threads: u16,
@@ -337,6 +341,7 @@ fn picture_job(arguments: Arguments, plan: Plan) -> Result<(RenderJob, SequenceO
         method: picture.aa,
         tolerance: picture.tolerance.unwrap_or(picture.aa.tolerance()),
         linear: picture.linear,
+        highlights: picture.highlights,
         background: picture.background.map(|color| color.0),
         threads: picture.threads.into(),
         stage_times: report.perf.is_some(),

@@ -1,7 +1,7 @@
 //! Takes the text of one option, makes its value, or says what would have been right.
 
 use toon_raster::encode::{Effort, Yuv};
-use toon_raster::{usvg, Method};
+use toon_raster::{usvg, Highlights, Method};
 
 /// What comes out of the renderer's rows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -152,6 +152,16 @@ pub fn languages(text: &str) -> Result<String, String> {
 
 pub fn shape_rendering(text: &str) -> Result<usvg::ShapeRendering, String> {
     text.parse().map_err(|_| "must be optimizeSpeed, crispEdges or geometricPrecision".to_string())
+}
+
+pub fn highlights(text: &str) -> Result<Highlights, String> {
+    match text {
+        "as-is" => Ok(Highlights::AsIs),
+        "clamp" => Ok(Highlights::Clamp),
+        "aggressive" => Ok(Highlights::Aggressive),
+        "supersample" => Ok(Highlights::Supersample),
+        _ => Err("must be as-is, clamp, aggressive or supersample".to_string()),
+    }
 }
 
 pub fn text_rendering(text: &str) -> Result<usvg::TextRendering, String> {

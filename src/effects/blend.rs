@@ -2,7 +2,7 @@
 //! CSS's blend modes (W3C Compositing and Blending Level 1, sections 9 and 10). Pure functions, for
 //! feBlend and for the compositor alike; the colours' encoding is the caller's.
 
-use super::layer::{Layer, Pixel};
+use super::layer::Pixel;
 use usvg::BlendMode;
 
 /// What is seen of `source` in front of `backdrop`.
@@ -17,18 +17,6 @@ pub(crate) fn blend(mode: BlendMode, source: Pixel, backdrop: Pixel) -> Pixel {
         _ => {
             let mixed = separable(mode);
             composed(source, backdrop, |s, b| std::array::from_fn(|i| mixed(s[i], b[i])))
-        }
-    }
-}
-
-/// Draws a layer, faded to this opacity, on another: where they meet, and in the lower one's space.
-pub(crate) fn draw(upper: &Layer, mode: BlendMode, opacity: f32, lower: &mut Layer) {
-    let common = upper.rect().intersect(lower.rect());
-    debug_assert_eq!(upper.space(), lower.space());
-    for y in common.y()..common.bottom() {
-        let (from, to) = (upper.span(y, common), lower.span_mut(y, common));
-        for (to, &from) in to.iter_mut().zip(from) {
-            *to = blend(mode, from.map(|v| v * opacity), *to);
         }
     }
 }
@@ -162,7 +150,7 @@ fn with_saturation(color: [f32; 3], wanted: f32) -> [f32; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::effects::layer::{premultiplied, IntRect, Space};
+    use crate::effects::layer::premultiplied;
 
     const MODES: [(BlendMode, tiny_skia::BlendMode); 17] = [
         (BlendMode::Normal, tiny_skia::BlendMode::SourceOver),
@@ -250,21 +238,6 @@ mod tests {
                         );
                     }
                 }
-            }
-        }
-    }
-
-    #[test]
-    fn a_layer_is_drawn_where_it_meets_the_other() {
-        let red = [1.0, 0.0, 0.0, 1.0];
-        let upper = Layer::filled(IntRect::new(-1, 1, 3, 9), Space::Srgb, red);
-        let mut lower = Layer::filled(IntRect::new(0, 0, 4, 3), Space::Srgb, [0.0, 0.0, 1.0, 1.0]);
-        draw(&upper, BlendMode::Normal, 0.5, &mut lower);
-        for y in 0..3 {
-            for x in 0..4 {
-                let both = x < 2 && y >= 1;
-                let wanted = if both { [0.5, 0.0, 0.5, 1.0] } else { [0.0, 0.0, 1.0, 1.0] };
-                assert_eq!(lower.pixel(x, y), wanted);
             }
         }
     }

@@ -16,7 +16,7 @@ use std::sync::LazyLock;
 
 /// What is done about highlights that alias.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub(crate) enum Highlights {
+pub enum Highlights {
     /// Nothing.
     #[default]
     AsIs,
@@ -25,7 +25,7 @@ pub(crate) enum Highlights {
     /// It is clamped where more than a thousandth of the highlight's power would alias.
     Aggressive,
     /// Where it would alias (by the conservative limit), it is averaged over as many normals a pixel
-    /// as it takes, up to [`MOST_SAMPLES`] a side.
+    /// as it takes, up to 16 a side.
     Supersample,
 }
 

@@ -201,6 +201,7 @@ impl Layer {
     }
 
     /// sRGB-encoded bytes with straight alpha.
+    #[cfg(test)]
     pub fn to_rgba8(&self) -> Vec<u8> {
         let space = self.space;
         let bytes = move |&pixel: &Pixel| {
@@ -238,12 +239,6 @@ impl Layer {
         } else {
             CLEAR
         }
-    }
-
-    /// Row y of a rectangle which lies within this layer's.
-    pub fn span(&self, y: i32, within: IntRect) -> &[Pixel] {
-        let first = self.index(within.x, y);
-        &self.pixels[first..first + within.width()]
     }
 
     /// Row y of a rectangle which lies within this layer's.
@@ -349,18 +344,19 @@ impl Layer {
         if !(x.is_finite() && y.is_finite()) {
             return CLEAR;
         }
-        let (left, top) = (x.floor(), y.floor());
-        let (right_share, bottom_share) = ((x - left) as f32, (y - top) as f32);
         // Saturating casts: what is far off stays far off.
-        let (column, row) = (left as i32, top as i32);
-        let (next_column, next_row) = (column.saturating_add(1), row.saturating_add(1));
-        let upper = mix(self.pixel(column, row), self.pixel(next_column, row), right_share);
-        if bottom_share == 0.0 {
-            return upper;
-        }
-        let lower = mix(self.pixel(column, next_row), self.pixel(next_column, next_row), right_share);
-        mix(upper, lower, bottom_share)
+        between(x, y, |x, y| self.pixel(x as i32, y as i32))
     }
+}
+
+/// Bilinear between the four samples around a point; samples lie at whole numbers.
+#[inline]
+pub(crate) fn between(x: f64, y: f64, sample: impl Fn(f64, f64) -> Pixel) -> Pixel {
+    let (left, top) = (x.floor(), y.floor());
+    let (right, below) = ((x - left) as f32, (y - top) as f32);
+    let upper = mix(sample(left, top), sample(left + 1.0, top), right);
+    let lower = mix(sample(left, top + 1.0), sample(left + 1.0, top + 1.0), right);
+    mix(upper, lower, below)
 }
 
 /// From the one (share 0) to the other (share 1).
