@@ -155,11 +155,7 @@ impl<C: Coverage> BandRenderer<C> {
             return;
         }
         let groups = &picture.scene.groups;
-        let mut path = vec![group];
-        while let Some(&inner) = path.last().filter(|&&inner| inner != 0) {
-            path.push(groups[inner as usize].parent);
-        }
-        path.reverse();
+        let path = picture.scene.group_path(group);
         let common = self.open.iter().zip(&path).take_while(|(a, b)| a == b).count();
         self.close_groups(common, rows);
         for &inner in &path[common..] {

@@ -12,7 +12,7 @@ use crate::effects::layer::{between, IntRect, Layer, Pixel, Space, CLEAR};
 use crate::effects::mask;
 use crate::scene::paint::{Paint, Shader};
 use crate::scene::raster::{Mask, Raster, RasterGroup, Source};
-use crate::scene::{Clip, ClipMember, FillRule, Geometry, Outline, Scene, Shape};
+use crate::scene::{Clip, ClipMember, Geometry, Scene, Shape};
 use crate::{texture, Error, Renderer, Settings, Viewport};
 use kurbo::{Affine, Point, Rect, Vec2};
 use std::cell::Cell;
@@ -21,8 +21,10 @@ use std::sync::Arc;
 /// Pixels of all layers of one scene: 4 GB.
 const MOST_PIXELS: u64 = 1 << 28;
 
-/// Tiles of a pattern that are drawn one by one; more of them are copies of one tile's pixels.
+/// Tiles of a pattern that are drawn one by one, and the shapes in all of them; beyond, tiles are copies
+/// of one tile's pixels.
 const MOST_TILES: f64 = 1024.0;
+const MOST_TILED_SHAPES: f64 = 16384.0;
 
 /// A tile that is copied is made in no more pixels than this a side.
 const LARGEST_TILE: f64 = 2048.0;
@@ -204,7 +206,7 @@ impl Artist<'_> {
             ((seen.y0 - place.y0) / place.height()).floor()..((seen.y1 - place.y0) / place.height()).ceil();
         let count = (columns.end - columns.start) * (rows.end - rows.start);
         let shapes = (tile.shapes.len() as f64).max(1.0);
-        if count * shapes <= MOST_TILES * 16.0 && count <= MOST_TILES {
+        if count <= MOST_TILES && count * shapes <= MOST_TILED_SHAPES {
             let mut plane = tile.with_shapes(Vec::new());
             plane.clips.clear();
             for row in rows.start as i64..rows.end as i64 {
@@ -289,21 +291,5 @@ fn add_tile(plane: &mut Scene, tile: &Scene, place: Rect, by: Vec2) {
         shape.clip = Some(shape.clip.map_or(window, |clip| clip + first));
         shape.paint.transform(moved);
         plane.shapes.push(shape);
-    }
-}
-
-impl Geometry {
-    /// The inside of a rectangle.
-    pub fn of_rect(rect: Rect, transform: Affine) -> Geometry {
-        let (left, top) = (rect.x0 as f32, rect.y0 as f32);
-        let (right, bottom) = (rect.x1 as f32, rect.y1 as f32);
-        let mut path = usvg::tiny_skia_path::PathBuilder::new();
-        path.move_to(left, top);
-        path.line_to(right, top);
-        path.line_to(right, bottom);
-        path.line_to(left, bottom);
-        path.close();
-        let path = Arc::new(path.finish().expect("four points make a path"));
-        Geometry { path, transform, outline: Outline::Fill(FillRule::NonZero), crisp: false }
     }
 }

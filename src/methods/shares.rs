@@ -104,11 +104,7 @@ impl<F: Footprint> SharePainter<F> {
             return;
         }
         let groups = &picture.scene.groups;
-        let mut path = vec![group];
-        while let Some(&inner) = path.last().filter(|&&inner| inner != 0) {
-            path.push(groups[inner as usize].parent);
-        }
-        path.reverse();
+        let path = picture.scene.group_path(group);
         let common = self.open.iter().zip(&path).take_while(|(a, b)| a == b).count();
         while self.open.len() > common {
             let opacity = groups[self.open.pop().expect("one is open") as usize].opacity;

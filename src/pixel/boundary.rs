@@ -14,7 +14,7 @@
 
 use super::crossings::{Crossing, Crossings};
 use super::cuts::{Cuts, MOST_ROUNDS};
-use super::fragment::{Fragment, PieceSteps, PIXEL_AREA};
+use super::fragment::{joint, shared_ends, Fragment, PieceSteps, PIXEL_AREA};
 use super::split::MOST_LEAVES;
 use crate::edges::ONE;
 use crate::scene::FillRule;
@@ -196,7 +196,7 @@ impl Boundary {
                     continue;
                 }
                 if !(own && j + 1 == i) {
-                    self.meetings.extend(a.shared_ends(b));
+                    self.meetings.extend(shared_ends(a.ends(), b.ends()));
                 }
                 if !own || cut {
                     self.cuts.meet((i, a.ends()), (j, b.ends()));
@@ -320,16 +320,9 @@ impl Chord {
         self.right < other.left || other.right < self.left || self.y1 < other.y0 || other.y1 < self.y0
     }
 
-    /// The end points that they have in common.
-    fn shared_ends(&self, other: &Chord) -> impl Iterator<Item = (i32, i32)> {
-        let ends = |c: &Chord| [(c.x0, c.y0), (c.x1, c.y1)];
-        let others = ends(other);
-        ends(self).into_iter().filter(move |end| others.contains(end))
-    }
-
     /// Does it meet a piece of its own fragment, so many places before it, other than by following it?
     fn touches(&self, other: &Chord, places: usize) -> bool {
-        self.shared_ends(other).count() > usize::from(places == 1)
+        shared_ends(self.ends(), other.ends()).count() > usize::from(places == 1)
     }
 
     /// Where this one goes on from the other, upwards or downwards as it does.
@@ -338,12 +331,7 @@ impl Chord {
         if self.leaf != other.leaf || self.winding != other.winding {
             return None;
         }
-        let (start, end) = ((self.x0, self.y0), (self.x1, self.y1));
-        match (start == (other.x1, other.y1), end == (other.x0, other.y0)) {
-            (true, _) => Some(start),
-            (_, true) => Some(end),
-            _ => None,
-        }
+        joint(self.ends(), other.ends())
     }
 
     fn ends(&self) -> [i32; 4] {

@@ -5,7 +5,7 @@
 //! to a point in which other pieces end; and every region of the pixel has a piece at its border. So
 //! it is looked up where a border begins, and once more behind each such point.
 
-use super::fragment::{interiors_meet, PieceSteps};
+use super::fragment::{interiors_meet, joint, shared_ends, PieceSteps};
 use crate::strips::{Piece, NO_PIECE};
 
 /// More pieces than this are not searched for crossings pair by pair.
@@ -70,8 +70,7 @@ impl Certifier {
                     return false;
                 }
                 if j != follows {
-                    let of_b = [(bx0, by0), (bx1, by1)];
-                    self.meetings.extend([(ax0, ay0), (ax1, ay1)].iter().filter(|end| of_b.contains(end)));
+                    self.meetings.extend(shared_ends(a.ends, b.ends));
                 }
             }
         }
@@ -81,7 +80,9 @@ impl Certifier {
     fn windings_are(&self, low: i32) -> bool {
         let mut left = 0;
         self.lines.iter().enumerate().all(|(i, line)| {
-            let joint = i.checked_sub(1).and_then(|before| line.joint(&self.lines[before]));
+            let before = i.checked_sub(1).map(|before| &self.lines[before]);
+            let before = before.filter(|before| before.winding == line.winding);
+            let joint = before.and_then(|before| joint(line.ends, before.ends));
             if joint.is_none_or(|joint| self.meetings.contains(&joint)) {
                 left = self.winding_left_of(i);
             }
@@ -102,17 +103,5 @@ impl Certifier {
         };
         let others = self.lines.iter().enumerate().filter(|&(j, line)| j != i && is_left(line));
         self.corner + left + others.map(|(_, line)| line.winding).sum::<i32>()
-    }
-}
-
-impl Line {
-    /// Where this one goes on from the other, upwards or downwards as it does.
-    fn joint(&self, other: &Line) -> Option<(i32, i32)> {
-        let ([x0, y0, x1, y1], [other_x0, other_y0, other_x1, other_y1]) = (self.ends, other.ends);
-        match self.winding == other.winding {
-            true if (x0, y0) == (other_x1, other_y1) => Some((x0, y0)),
-            true if (x1, y1) == (other_x0, other_y0) => Some((x1, y1)),
-            _ => None,
-        }
     }
 }

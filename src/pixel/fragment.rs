@@ -364,6 +364,25 @@ impl Segment {
     }
 }
 
+/// Where the first piece goes on from the second, upwards or downwards as it does.
+#[inline]
+pub(crate) fn joint([x0, y0, x1, y1]: [i32; 4], other: [i32; 4]) -> Option<(i32, i32)> {
+    let [other_x0, other_y0, other_x1, other_y1] = other;
+    match ((x0, y0) == (other_x1, other_y1), (x1, y1) == (other_x0, other_y0)) {
+        (true, _) => Some((x0, y0)),
+        (_, true) => Some((x1, y1)),
+        _ => None,
+    }
+}
+
+/// The end points that two pieces have in common.
+#[inline]
+pub(crate) fn shared_ends([x0, y0, x1, y1]: [i32; 4], other: [i32; 4]) -> impl Iterator<Item = (i32, i32)> {
+    let [other_x0, other_y0, other_x1, other_y1] = other;
+    let others = [(other_x0, other_y0), (other_x1, other_y1)];
+    [(x0, y0), (x1, y1)].into_iter().filter(move |end| others.contains(end))
+}
+
 /// Which side of line `a` the point lies on: twice the area of the triangle they make, in fixed point.
 #[inline]
 pub(crate) fn side([x0, y0, x1, y1]: [i32; 4], x: i32, y: i32) -> i32 {

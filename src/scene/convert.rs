@@ -16,6 +16,9 @@ const DEEPEST_GROUP: usize = 256;
 /// Filters, masks and patterns within one another beyond this are refused: each holds a picture.
 const DEEPEST_RASTER: usize = 32;
 
+/// Pixels of all images of a drawing: 2 GB.
+const MOST_IMAGE_PIXELS: u64 = 1 << 27;
+
 /// The scene of `tree`, or of one node of it.
 pub(super) fn scene(tree: &usvg::Tree, node: Option<&usvg::Node>) -> Result<Scene, Error> {
     let mut walk = Walk::default();
@@ -69,6 +72,8 @@ struct Walk {
     known_clips: HashMap<(usize, [u64; 6], Option<ClipId>), ClipId>,
     groups: Vec<Group>,
     warnings: Vec<Warning>,
+    /// Images, by their bytes.
+    images: HashMap<Arc<Vec<u8>>, Option<Arc<Layer>>>,
     /// Rasters around the walk.
     nesting: usize,
     /// The last group's id: usvg puts an image's own on a group around it.
@@ -84,6 +89,7 @@ impl Default for Walk {
             known_clips: HashMap::new(),
             groups: vec![picture],
             warnings: Vec::new(),
+            images: HashMap::new(),
             nesting: 0,
             last_id: String::new(),
         }
@@ -94,10 +100,7 @@ impl Walk {
     fn node(&mut self, node: &usvg::Node, place: Place) -> Result<(), Error> {
         match node {
             usvg::Node::Group(group) => self.group(group, place),
-            usvg::Node::Path(path) => {
-                self.path(path, place);
-                Ok(())
-            }
+            usvg::Node::Path(path) => self.path(path, place),
             usvg::Node::Text(text) => self.group(text.flattened(), place),
             usvg::Node::Image(image) if image.is_visible() => self.image(image, place),
             usvg::Node::Image(_) => Ok(()),
@@ -145,7 +148,7 @@ impl Walk {
             SVG(tree) => return self.group(tree.root(), place),
             JPEG(bytes) | PNG(bytes) | GIF(bytes) | WEBP(bytes) => bytes,
         };
-        let Some(pixels) = decoded(bytes) else {
+        let Some(pixels) = self.decoded(bytes)? else {
             let id = self.last_id.clone();
             self.warn("images", if image.id().is_empty() { &id } else { image.id() });
             return Ok(());
@@ -158,12 +161,27 @@ impl Walk {
                 | usvg::ImageRendering::CrispEdges
                 | usvg::ImageRendering::Pixelated
         );
-        let source = Source::Image { pixels: Arc::new(pixels), nearest };
+        let source = Source::Image { pixels, nearest };
         let raster = Raster { source, transform: place.transform, bounds, opacity: 1.0 };
         let geometry = Geometry::of_rect(bounds, place.transform);
         let paint = Paint::Raster(Arc::new(raster));
         self.shapes.push(Shape { geometry, paint, clip: place.clip, group: place.group });
         Ok(())
+    }
+
+    /// An image's pixels, decoded once however often it is drawn; `None` when its bytes are no image, or
+    /// too large a one.
+    fn decoded(&mut self, bytes: &Arc<Vec<u8>>) -> Result<Option<Arc<Layer>>, Error> {
+        if let Some(known) = self.images.get(bytes) {
+            return Ok(known.clone());
+        }
+        let pixels = decoded(bytes).map(Arc::new);
+        self.images.insert(bytes.clone(), pixels.clone());
+        let all: u64 = self.images.values().flatten().map(|pixels| pixels.rect().area()).sum();
+        match all > MOST_IMAGE_PIXELS {
+            true => Err(Error::Limit(format!("its images have more than {MOST_IMAGE_PIXELS} pixels in all"))),
+            false => Ok(pixels),
+        }
     }
 
     /// A group that is made into pixels first.
@@ -204,9 +222,11 @@ impl Walk {
         }
         let mut walk = Walk { nesting: self.nesting + 1, ..Walk::default() };
         walk.warnings = std::mem::take(&mut self.warnings);
+        walk.images = std::mem::take(&mut self.images);
         let place = Place { transform: Affine::IDENTITY, clip: None, group: 0, depth: 0 };
         let done = group.children().iter().try_for_each(|child| walk.node(child, place));
         self.warnings = std::mem::take(&mut walk.warnings);
+        self.images = std::mem::take(&mut walk.images);
         done?;
         Ok(walk.into_scene())
     }
@@ -216,68 +236,69 @@ impl Walk {
         Scene { size: Size::ZERO, bounding_box: None, warnings, shapes, clips, groups }
     }
 
-    fn path(&mut self, path: &usvg::Path, place: Place) {
+    fn path(&mut self, path: &usvg::Path, place: Place) -> Result<(), Error> {
         if !path.is_visible() {
-            return;
+            return Ok(());
         }
         let data = Arc::new(path.data().clone());
         let crisp = !path.rendering_mode().use_shape_antialiasing();
-        let geometry = |outline| Geometry { path: data.clone(), transform: place.transform, outline, crisp };
-        let fill = path.fill().and_then(|fill| {
-            let paint = self.paint(fill.paint(), fill.opacity().get(), place.transform)?;
-            Some(Shape {
-                geometry: geometry(fill_outline(fill)),
-                paint,
-                clip: place.clip,
-                group: place.group,
-            })
-        });
-        let stroke = path.stroke().and_then(|stroke| {
-            let paint = self.paint(stroke.paint(), stroke.opacity().get(), place.transform)?;
-            if stroke.linejoin() == usvg::LineJoin::MiterClip {
+        let shape = |outline, paint| {
+            let geometry = Geometry { path: data.clone(), transform: place.transform, outline, crisp };
+            Shape { geometry, paint, clip: place.clip, group: place.group }
+        };
+        let mut fill = None;
+        if let Some(style) = path.fill() {
+            let paint = self.paint(style.paint(), style.opacity().get(), place.transform)?;
+            fill = paint.map(|paint| shape(fill_outline(style), paint));
+        }
+        let mut stroke = None;
+        if let Some(style) = path.stroke() {
+            let paint = self.paint(style.paint(), style.opacity().get(), place.transform)?;
+            stroke = paint.map(|paint| shape(stroke_outline(style), paint));
+            if stroke.is_some() && style.linejoin() == usvg::LineJoin::MiterClip {
                 self.warn("clipped miter joins", path.id());
             }
-            Some(Shape {
-                geometry: geometry(stroke_outline(stroke)),
-                paint,
-                clip: place.clip,
-                group: place.group,
-            })
-        });
+        }
         match path.paint_order() {
             usvg::PaintOrder::FillAndStroke => self.shapes.extend(fill.into_iter().chain(stroke)),
             usvg::PaintOrder::StrokeAndFill => self.shapes.extend(stroke.into_iter().chain(fill)),
         }
+        Ok(())
     }
 
     /// The paint in pixels' terms, or `None` when nothing would be seen of it.
-    fn paint(&mut self, paint: &usvg::Paint, opacity: f32, transform: Affine) -> Option<Paint> {
+    fn paint(
+        &mut self,
+        paint: &usvg::Paint,
+        opacity: f32,
+        transform: Affine,
+    ) -> Result<Option<Paint>, Error> {
         let paint = match paint {
-            usvg::Paint::Color(color) => Paint::flat(*color, opacity),
+            usvg::Paint::Color(color) => Some(Paint::flat(*color, opacity)),
             usvg::Paint::LinearGradient(linear) => {
                 let shape = GradientShape::linear(
                     (linear.x1().into(), linear.y1().into()),
                     (linear.x2().into(), linear.y2().into()),
                 );
-                gradient(linear, shape, opacity, transform)?
+                gradient(linear, shape, opacity, transform)
             }
             usvg::Paint::RadialGradient(radial) => {
                 let shape = GradientShape::radial(
                     (radial.fx().into(), radial.fy().into(), radial.fr().get().into()),
                     (radial.cx().into(), radial.cy().into(), radial.r().get().into()),
                 );
-                gradient(radial, shape, opacity, transform)?
+                gradient(radial, shape, opacity, transform)
             }
             usvg::Paint::Pattern(pattern) => {
                 let corner = rect(pattern.rect());
                 let tile = Rect::new(0.0, 0.0, corner.width(), corner.height());
                 let transform =
                     transform * affine(pattern.transform()) * Affine::translate(corner.origin().to_vec2());
-                let source = Source::Tiles(self.content(pattern.root()).ok()?, tile);
-                Paint::Raster(Arc::new(Raster { source, transform, bounds: tile, opacity }))
+                let source = Source::Tiles(self.content(pattern.root())?, tile);
+                Some(Paint::Raster(Arc::new(Raster { source, transform, bounds: tile, opacity })))
             }
         };
-        (!paint.is_invisible()).then_some(paint)
+        Ok(paint.filter(|paint| !paint.is_invisible()))
     }
 
     /// The clip's number. Where the same one applies to many elements, as plotting programs write it,
@@ -378,7 +399,7 @@ fn blends_inside(group: &usvg::Group) -> bool {
     })
 }
 
-/// An image's pixels; `None` when its bytes are no image, or one of more than a hundred million pixels.
+/// An image's pixels; `None` when its bytes are no image, or decoding would take more than 512 MiB.
 fn decoded(bytes: &[u8]) -> Option<Layer> {
     const MOST_BYTES: u64 = 512 << 20;
     let mut reader = image::ImageReader::new(std::io::Cursor::new(bytes)).with_guessed_format().ok()?;

@@ -79,6 +79,22 @@ pub(crate) struct Geometry {
     pub crisp: bool,
 }
 
+impl Geometry {
+    /// The inside of a rectangle.
+    pub fn of_rect(rect: Rect, transform: Affine) -> Geometry {
+        let (left, top) = (rect.x0 as f32, rect.y0 as f32);
+        let (right, bottom) = (rect.x1 as f32, rect.y1 as f32);
+        let mut path = usvg::tiny_skia_path::PathBuilder::new();
+        path.move_to(left, top);
+        path.line_to(right, top);
+        path.line_to(right, bottom);
+        path.line_to(left, bottom);
+        path.close();
+        let path = Arc::new(path.finish().expect("four points make a path"));
+        Geometry { path, transform, outline: Outline::Fill(FillRule::NonZero), crisp: false }
+    }
+}
+
 /// What of a path is filled.
 #[derive(Clone, Debug)]
 pub(crate) enum Outline {
@@ -181,6 +197,16 @@ impl Scene {
         let geometry = Geometry::of_rect(rect, Affine::IDENTITY);
         let shape = Shape { geometry, paint: Paint::flat(white, 1.0), clip: None, group: 0 };
         convert::of_shapes(vec![shape])
+    }
+
+    /// The groups around and including this one, from the picture inwards.
+    pub(crate) fn group_path(&self, group: GroupId) -> Vec<GroupId> {
+        let mut path = vec![group];
+        while let Some(&inner) = path.last().filter(|&&inner| inner != 0) {
+            path.push(self.groups[inner as usize].parent);
+        }
+        path.reverse();
+        path
     }
 
     /// Other shapes, with this scene's clips and groups.
