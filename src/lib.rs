@@ -7,7 +7,8 @@
 //! | [`scene`] | SVG bytes → [`Scene`]: depth-ordered shapes, their paint, clips and groups |
 //! | [`render`] | [`Scene`] + [`Viewport`] + [`Settings`] → pixel rows; the only file that knows the order of the stages |
 //! | [`methods`] | which way of anti-aliasing → who paints |
-//! | `layers` | filters, masks, blend modes, patterns → layers of pixels that shapes are painted with |
+//! | `layers` | filters, masks, blend modes, patterns, images → layers of pixels that shapes are painted with; their content goes through [`render`] again |
+//! | `effects` | layers of pixels → filtered, blended, masked ones |
 //! | `texture` | an image at a scale → a layer |
 //! | `outlines` | scene + viewport → outlines with bounds, sorted into bands; flattened when first needed |
 //! | `pen`, `polygons` | strokes → outlines; curves → chords |
@@ -59,6 +60,8 @@ pub mod methods;
 
 mod layers;
 
+mod effects;
+
 mod texture;
 
 mod outlines;
@@ -98,8 +101,6 @@ pub mod reference;
 pub mod compare;
 
 mod bitmap;
-
-pub(crate) mod effects;
 
 pub use effects::highlights::Highlights;
 pub use error::Error;

@@ -179,7 +179,9 @@ impl Walk {
         self.images.insert(bytes.clone(), pixels.clone());
         let all: u64 = self.images.values().flatten().map(|pixels| pixels.rect().area()).sum();
         match all > MOST_IMAGE_PIXELS {
-            true => Err(Error::Limit(format!("its images have more than {MOST_IMAGE_PIXELS} pixels in all"))),
+            true => Err(Error::Limit(format!(
+                "its images have more than {MOST_IMAGE_PIXELS} pixels in all (use smaller ones)"
+            ))),
             false => Ok(pixels),
         }
     }
