@@ -7,7 +7,7 @@
 //! outlined blobs at 1024 px, 81,601 of 89,777 (shape, band) pairs end there.
 
 use crate::bitmap::for_runs;
-use crate::cel::{Brush, Cel, Rows};
+use crate::cel::{Brush, Cel, Rows, Run};
 use crate::clip::{clipped, ClipBand, Clipped};
 use crate::coverage::{BandPlace, Coverage, PartOf, Style};
 use crate::edges::{Bounds, EdgeList, BAND_ROWS};
@@ -119,6 +119,22 @@ impl<C: Coverage> BandRenderer<C> {
             });
         }
         self.lap(|laps| Some(&mut laps.sweep));
+        if let Brush::Flat(behind, _) = brush {
+            let around = Surroundings { background: behind, ..*picture.around };
+            while let Some(run) = self.cels[depth].take_to_resolve() {
+                self.resolve(run, depth, &around, rows);
+            }
+            self.lap(|laps| Some(&mut laps.resolve));
+        }
+    }
+
+    /// Gives pixels that have a z-list their colours.
+    fn resolve(&mut self, Run { row, from, to }: Run, depth: usize, around: &Surroundings, rows: &mut Rows) {
+        let (cel, y) = (&self.cels[depth], rows.top + row as u32);
+        let pixels = rows.row(row, cel.width);
+        for (x, pixel) in (from..to).zip(&mut pixels[from..to]) {
+            *pixel = self.coverage.resolve(cel.list(row, x), &self.entries, (x as u32, y), around);
+        }
     }
 
     /// Are all pixels finished that a shape may touch here?
@@ -214,40 +230,47 @@ impl<C: Coverage> BandRenderer<C> {
     /// Gives every pixel that is not in the picture yet its colour.
     fn finish(&mut self, picture: &Picture, mut rows: Rows) {
         let width = picture.width as usize;
-        let around = picture.around;
-        let background = around.background.to_rgba8();
-        let cel = &self.cels[0];
         for row in 0..rows.count {
-            let y = rows.top + row as u32;
-            let pixels = rows.row(row, width);
-            for (word, pixels) in pixels.chunks_mut(64).enumerate() {
-                let (done, uniform, listed) = cel.states(row, word);
-                for_runs(!(done | uniform | listed), |from, to| {
-                    // The picture may end within the word.
-                    if let Some(run) = pixels.get_mut(from..to.min(pixels.len())) {
-                        run.fill(background);
-                    }
-                });
-                for_runs(uniform, |from, to| {
-                    // Neighbours are often the same.
-                    let (mut last, mut bytes) = (Sheet::CLEAR, background);
-                    for (i, pixel) in pixels[from..to].iter_mut().enumerate() {
-                        let sheet = cel.sheet(row, word * 64 + from + i);
-                        if !sheet.is_same(last) {
-                            (last, bytes) = (sheet, sheet.over(around.background).to_rgba8());
-                        }
-                        *pixel = bytes;
-                    }
-                });
+            for word in 0..width.div_ceil(64) {
+                let (done, uniform, listed) = self.cels[0].states(row, word);
+                let first = word * 64;
+                self.finish_uniform(picture, (row, first), [!(done | uniform | listed), uniform], &mut rows);
                 for_runs(listed, |from, to| {
-                    for (i, pixel) in pixels[from..to].iter_mut().enumerate() {
-                        let x = word * 64 + from + i;
-                        let at = (x as u32, y);
-                        *pixel = self.coverage.resolve(cel.list(row, x), &self.entries, at, around);
-                    }
+                    let run = Run { row, from: first + from, to: first + to };
+                    self.resolve(run, 0, picture.around, &mut rows);
                 });
             }
         }
+    }
+
+    /// Gives pixels of one word that have nothing, or one sheet, their colours.
+    fn finish_uniform(
+        &self,
+        picture: &Picture,
+        (row, first): (usize, usize),
+        [empty, uniform]: [u64; 2],
+        rows: &mut Rows,
+    ) {
+        let behind = picture.around.background;
+        let background = behind.to_rgba8();
+        let pixels = &mut rows.row(row, picture.width as usize)[first..];
+        for_runs(empty, |from, to| {
+            // The picture may end within the word.
+            if let Some(run) = pixels.get_mut(from..to.min(pixels.len())) {
+                run.fill(background);
+            }
+        });
+        for_runs(uniform, |from, to| {
+            // Neighbours are often the same.
+            let (mut last, mut bytes) = (Sheet::CLEAR, background);
+            for (x, pixel) in pixels[from..to].iter_mut().enumerate() {
+                let sheet = self.cels[0].sheet(row, first + from + x);
+                if !sheet.is_same(last) {
+                    (last, bytes) = (sheet, sheet.over(behind).to_rgba8());
+                }
+                *pixel = bytes;
+            }
+        });
     }
 }
 

@@ -6,7 +6,7 @@
 //! | finished | touched | listed | |
 //! |---|---|---|---|
 //! | 0 | 0 | 0 | nothing drawn yet |
-//! | 1 | 0 | 0 | done; its colour stands in the picture |
+//! | 1 | 0 | 0 | done; its colour stands in the picture, or it is among those `to_resolve` |
 //! | 0 or 1 | 1 | 0 | uniform so far: `sheets` holds all that was drawn |
 //! | 0 or 1 | 1 | 1 | `sheets` holds what lies in front, the z-list goes on from there |
 //!
@@ -81,7 +81,7 @@ impl Rows<'_> {
 
 /// One group's picture of one band.
 pub(crate) struct Cel {
-    width: usize,
+    pub width: usize,
     pub opacity: f32,
     pub finished: Bitmap,
     touched: Bitmap,
@@ -89,6 +89,16 @@ pub(crate) struct Cel {
     sheets: Vec<Sheet>,
     /// First and last entry of each pixel's z-list.
     lists: Vec<(u32, u32)>,
+    /// Pixels whose z-list the last shape has ended with an opaque colour, which is not in it.
+    to_resolve: Vec<Run>,
+}
+
+/// Pixels [from, to) of a row.
+#[derive(Clone, Copy)]
+pub(crate) struct Run {
+    pub row: usize,
+    pub from: usize,
+    pub to: usize,
 }
 
 impl Cel {
@@ -103,6 +113,7 @@ impl Cel {
             listed: bitmap,
             sheets: vec![Sheet::CLEAR; width * rows],
             lists: vec![(NO_ENTRY, NO_ENTRY); width * rows],
+            to_resolve: Vec::new(),
         }
     }
 
@@ -121,8 +132,9 @@ impl Cel {
         self.finished.copy_from(&parent.finished);
     }
 
-    /// Paints pixels [from, to) of a row, behind all that was painted before. Opaque paint on new
-    /// pixels goes to `picture` at once, where there is one.
+    /// Paints pixels [from, to) of a row, behind all that was painted before. In the cel that is the
+    /// picture's, opaque paint on new pixels goes there at once, and z-lists before an opaque colour end:
+    /// [`Cel::take_to_resolve`].
     pub fn solid<P: Part>(
         &mut self,
         row: usize,
@@ -133,12 +145,13 @@ impl Cel {
         entries: &mut Vec<Entry<P>>,
     ) {
         let opaque = brush.is_opaque();
+        let ends_lists = opaque && picture.is_some() && matches!(brush, Brush::Flat(..));
         for (word, mask) in word_masks(from, to) {
             let open = mask & !self.finished.row(row)[word];
             if open == 0 {
                 continue;
             }
-            let touched = open & self.touched.row(row)[word];
+            let mut touched = open & self.touched.row(row)[word];
             let fresh = open & !touched;
             let mut done = if opaque { open } else { 0 };
             if fresh != 0 {
@@ -147,11 +160,29 @@ impl Cel {
                     _ => self.start_sheets(row, top, word, fresh, brush),
                 }
             }
+            if ends_lists {
+                touched &= !self.end_lists(row, word, touched);
+            }
             if touched != 0 {
                 done |= self.paint_touched(row, top, (word, touched), brush, entries);
             }
             self.finished.row_mut(row)[word] |= done;
         }
+    }
+
+    /// Leaves those of some pixels of a word that have z-lists to be resolved; tells which these are.
+    fn end_lists(&mut self, row: usize, word: usize, touched: u64) -> u64 {
+        let listed = touched & self.listed.row(row)[word];
+        let first = word * 64;
+        for_runs(listed, |a, b| self.to_resolve.push(Run { row, from: first + a, to: first + b }));
+        self.listed.row_mut(row)[word] &= !listed;
+        self.touched.row_mut(row)[word] &= !listed;
+        listed
+    }
+
+    /// Pixels whose z-list the last shape has ended, to be resolved with its colour behind everything.
+    pub fn take_to_resolve(&mut self) -> Option<Run> {
+        self.to_resolve.pop()
     }
 
     /// The first paint on some pixels of a word.
