@@ -9,7 +9,7 @@
 use crate::bitmap::for_runs;
 use crate::cel::{Brush, Cel, Rows, Run};
 use crate::clip::{clipped, ClipBand, Clipped};
-use crate::coverage::{BandPlace, Coverage, PartOf, Style};
+use crate::coverage::{BandPlace, Coverage, PartOf, Parts, Span, Style};
 use crate::edges::{Bounds, EdgeList, BAND_ROWS};
 use crate::methods::BandPainter;
 use crate::outlines::{BandLists, Outlines, PlacedOutline};
@@ -107,16 +107,25 @@ impl<C: Coverage> BandRenderer<C> {
         self.lap(|laps| Some(&mut laps.strips));
         let (cel, entries) = (&mut self.cels[depth], &mut self.entries);
         let place = place_of(rows);
+        let style = style_of(outline);
         for (row, columns) in places(bounds, rows) {
-            self.coverage.row(row, columns, place, style_of(outline), |span, parts| {
-                clipped(row, span, clip.as_deref(), parts, |piece, _| match piece {
-                    Clipped::Whole(from, to) => {
-                        let picture = (depth == 0).then_some(&mut *rows);
-                        cel.solid(row, (from, to), &brush, place.top, picture, entries);
+            let mut picture = (depth == 0).then_some(&mut *rows);
+            match clip.as_deref() {
+                None => self.coverage.row(row, columns, place, style, |span, parts| match span {
+                    Span::Solid(from, to) => {
+                        cel.solid(row, (from, to), &brush, place.top, picture.as_deref_mut(), entries);
                     }
-                    Clipped::Part(x, part) => cel.part(row, x, part, &brush, entries),
-                });
-            });
+                    Span::Part(x, fragment) => cel.part(row, x, parts.keep(fragment), &brush, entries),
+                }),
+                Some(clip) => self.coverage.row(row, columns, place, style, |span, parts| {
+                    clipped(row, span, clip, parts, |piece, _| match piece {
+                        Clipped::Whole(from, to) => {
+                            cel.solid(row, (from, to), &brush, place.top, picture.as_deref_mut(), entries);
+                        }
+                        Clipped::Part(x, part) => cel.part(row, x, part, &brush, entries),
+                    });
+                }),
+            }
         }
         self.lap(|laps| Some(&mut laps.sweep));
         if let Brush::Flat(behind, _) = brush {

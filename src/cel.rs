@@ -244,6 +244,7 @@ impl Cel {
     }
 
     /// Paints a part of one pixel, behind all that was painted before.
+    #[inline(always)]
     pub fn part<P: Part>(
         &mut self,
         row: usize,
@@ -256,10 +257,16 @@ impl Cel {
             return;
         }
         let pixel = row * self.width + x;
-        if !self.listed.get(row, x) {
+        let (at, entry) = (entries.len() as u32, Entry { next: NO_ENTRY, part, kind: brush.kind() });
+        entries.push(entry);
+        if self.listed.get(row, x) {
+            let (_, last) = &mut self.lists[pixel];
+            entries[*last as usize].next = at;
+            *last = at;
+        } else {
             self.start_list(row, x);
+            self.lists[pixel] = (at, at);
         }
-        self.append(pixel, Entry { next: NO_ENTRY, part, kind: brush.kind() }, entries);
     }
 
     #[inline(always)]
@@ -270,7 +277,6 @@ impl Cel {
             self.sheets[pixel] = Sheet::CLEAR;
         }
         self.listed.set(row, x);
-        self.lists[pixel] = (NO_ENTRY, NO_ENTRY);
     }
 
     #[inline(always)]
@@ -325,6 +331,7 @@ impl Cel {
         let pixel = row * self.width + x;
         if !self.listed.get(row, x) {
             self.start_list(row, x);
+            self.lists[pixel] = (NO_ENTRY, NO_ENTRY);
         }
         let mark = |kind| Entry { next: NO_ENTRY, part: P::WHOLE, kind };
         self.append(pixel, mark(Kind::GroupStart(group.opacity)), entries);

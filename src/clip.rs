@@ -39,7 +39,7 @@ impl<P: Part> ClipBand<P> {
         within: Option<&Self>,
         parts: &mut A,
     ) {
-        clipped(row, span, within, parts, |piece, parts| match piece {
+        let mut unite = |piece, parts: &mut A| match piece {
             Clipped::Whole(from, to) => {
                 for (word, mask) in word_masks(from, to) {
                     self.full.row_mut(row)[word] |= mask;
@@ -55,7 +55,15 @@ impl<P: Part> ClipBand<P> {
                     self.parts[at] = part;
                 }
             }
-        });
+        };
+        match (span, within) {
+            (span, Some(within)) => clipped(row, span, within, parts, unite),
+            (Span::Solid(from, to), None) => unite(Clipped::Whole(from, to), parts),
+            (Span::Part(x, fragment), None) => {
+                let part = parts.keep(fragment);
+                unite(Clipped::Part(x, part), parts);
+            }
+        }
     }
 
     /// Keeps what lies in the other as well.
@@ -94,17 +102,12 @@ pub(crate) enum Clipped<P> {
 pub(crate) fn clipped<A: Parts>(
     row: usize,
     span: Span<A::Fragment>,
-    clip: Option<&ClipBand<A::Part>>,
+    clip: &ClipBand<A::Part>,
     parts: &mut A,
     mut take: impl FnMut(Clipped<A::Part>, &mut A),
 ) {
-    match (span, clip) {
-        (Span::Solid(from, to), None) => take(Clipped::Whole(from, to), parts),
-        (Span::Part(x, fragment), None) => {
-            let part = parts.keep(fragment);
-            take(Clipped::Part(x, part), parts);
-        }
-        (Span::Solid(from, to), Some(clip)) => {
+    match span {
+        Span::Solid(from, to) => {
             for (word, mask) in word_masks(from, to) {
                 for_runs(mask & clip.full.row(row)[word], |a, b| {
                     take(Clipped::Whole(word * 64 + a, word * 64 + b), parts);
@@ -116,7 +119,7 @@ pub(crate) fn clipped<A: Parts>(
                 });
             }
         }
-        (Span::Part(x, fragment), Some(clip)) => {
+        Span::Part(x, fragment) => {
             if clip.full.get(row, x) {
                 let part = parts.keep(fragment);
                 take(Clipped::Part(x, part), parts);

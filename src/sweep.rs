@@ -40,24 +40,25 @@ pub(crate) fn row<F: FindCover>(
     // Where the pixels inside that are not given out yet begin.
     let mut from = 0;
     buckets.drain_row(row, columns, |x, cell| {
-        if cell.pieces != NO_PIECE {
-            let here = finder.find_cover(cell, cover_left, x, style, pieces);
-            let is_full = matches!(here, Cover::Full);
-            if inside && !is_full && from < x {
-                take(Span::Solid(from, x));
-            } else if !inside && is_full {
-                from = x;
-            }
-            inside = is_full;
-            if let Cover::Part(fragment) = here {
-                take(Span::Part(x, fragment));
-            }
-        }
+        let here = match cell.pieces {
+            NO_PIECE if inside => Cover::Full,
+            NO_PIECE => Cover::Empty,
+            _ => finder.find_cover(cell, cover_left, x, style, pieces),
+        };
         cover_left += cell.cover;
         let goes_on = rule.inside(cover_left >> FRACTION_BITS);
-        if inside && !goes_on {
-            take(Span::Solid(from, x + 1));
-        } else if !inside && goes_on {
+        let is_full = matches!(here, Cover::Full);
+        if is_full && !inside {
+            from = x;
+        }
+        let to = x + usize::from(is_full);
+        if (inside || is_full) && !(is_full && goes_on) && from < to {
+            take(Span::Solid(from, to));
+        }
+        if let Cover::Part(fragment) = here {
+            take(Span::Part(x, fragment));
+        }
+        if goes_on && !is_full {
             from = x + 1;
         }
         inside = goes_on;
