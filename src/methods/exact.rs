@@ -104,7 +104,7 @@ impl Coverage for Exact {
         around: &Surroundings,
     ) -> [u8; 4] {
         let lists = ZLists { entries, nodes: &self.nodes.0, pieces: &self.pieces };
-        let mean = lists.resolve_simply(head, around, &mut self.resolver.counts);
+        let mean = lists.resolve_simply(head, around, &mut self.resolver);
         let mean = mean.unwrap_or_else(|| {
             lists.read(head, &mut self.resolver);
             self.resolver.resolve(x, y, &self.pieces, around)

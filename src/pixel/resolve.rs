@@ -5,6 +5,7 @@
 
 use super::boundary::Boundary;
 use super::fragment::{Fragment, PieceSet, PIXEL_AREA};
+use super::pair::Pair;
 use super::sample::Sampler;
 use super::split::{centroid, Integrator, Known, MOST_LEAVES};
 use crate::edges::ONE;
@@ -69,6 +70,7 @@ pub(crate) struct Resolver {
     /// Does the scene have clips?
     pub has_clips: bool,
     set: PieceSet,
+    pub pair: Pair,
     boundary: Boundary,
     integrator: Integrator,
     sampler: Sampler,
