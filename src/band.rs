@@ -8,8 +8,8 @@
 
 use crate::bitmap::for_runs;
 use crate::cel::{Brush, Cel, Rows, Run};
-use crate::clip::{clipped, ClipBand, Clipped};
-use crate::coverage::{BandPlace, Coverage, PartOf, Parts, Span, Style};
+use crate::clip::{ClipBand, Clipping, TakeClipped, Uniting};
+use crate::coverage::{BandPlace, Coverage, PartOf, Parts, Style};
 use crate::edges::{Bounds, EdgeList, BAND_ROWS};
 use crate::methods::BandPainter;
 use crate::outlines::{BandLists, Outlines, PlacedOutline};
@@ -109,23 +109,10 @@ impl<C: Coverage> BandRenderer<C> {
         let place = place_of(rows);
         let style = style_of(outline);
         for (row, columns) in places(bounds, rows) {
-            let mut picture = (depth == 0).then_some(&mut *rows);
-            match clip.as_deref() {
-                None => self.coverage.row(row, columns, place, style, |span, parts| match span {
-                    Span::Solid(from, to) => {
-                        cel.solid(row, (from, to), &brush, place.top, picture.as_deref_mut(), entries);
-                    }
-                    Span::Part(x, fragment) => cel.part(row, x, parts.keep(fragment), &brush, entries),
-                }),
-                Some(clip) => self.coverage.row(row, columns, place, style, |span, parts| {
-                    clipped(row, span, clip, parts, |piece, _| match piece {
-                        Clipped::Whole(from, to) => {
-                            cel.solid(row, (from, to), &brush, place.top, picture.as_deref_mut(), entries);
-                        }
-                        Clipped::Part(x, part) => cel.part(row, x, part, &brush, entries),
-                    });
-                }),
-            }
+            let picture = (depth == 0).then_some(&mut *rows);
+            let take = Painting { cel, row, brush: &brush, top: place.top, picture, entries };
+            let mut take = Clipping { row, clip: clip.as_deref(), take };
+            self.coverage.row(row, columns, place, style, &mut take);
         }
         self.lap(|laps| Some(&mut laps.sweep));
         if let Brush::Flat(behind, _) = brush {
@@ -219,9 +206,9 @@ impl<C: Coverage> BandRenderer<C> {
             // What is finished in a group may still want the clip outside it.
             let bounds = self.fill_buckets(picture, band, outline, 0, rows);
             for (row, columns) in places(bounds, rows) {
-                self.coverage.row(row, columns, place_of(rows), style_of(outline), |span, parts| {
-                    made.unite(row, span, within.as_deref(), parts);
-                });
+                let take = Uniting { row, clip: &mut made };
+                let mut take = Clipping { row, clip: within.as_deref(), take };
+                self.coverage.row(row, columns, place_of(rows), style_of(outline), &mut take);
             }
         }
         for &other in &clip.within {
@@ -313,6 +300,31 @@ impl<C: Coverage> BandPainter for BandRenderer<C> {
         counts.push(("shapes_in_bands", std::mem::take(&mut self.met)));
         counts.push(("hidden_shapes", std::mem::take(&mut self.hidden)));
         counts
+    }
+}
+
+/// Paints one row of a shape into a cel.
+struct Painting<'a, 'b, P> {
+    cel: &'a mut Cel,
+    row: usize,
+    brush: &'a Brush<'a>,
+    /// The band's first row.
+    top: u32,
+    /// As for [`Cel::solid`].
+    picture: Option<&'a mut Rows<'b>>,
+    entries: &'a mut Vec<Entry<P>>,
+}
+
+impl<A: Parts> TakeClipped<A> for Painting<'_, '_, A::Part> {
+    #[inline(always)]
+    fn whole(&mut self, from: usize, to: usize) {
+        let picture = self.picture.as_deref_mut();
+        self.cel.solid(self.row, (from, to), self.brush, self.top, picture, self.entries);
+    }
+
+    #[inline(always)]
+    fn part(&mut self, x: usize, part: A::Part, _: &mut A) {
+        self.cel.part(self.row, x, part, self.brush, self.entries);
     }
 }
 

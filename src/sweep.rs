@@ -1,6 +1,6 @@
 //! Takes the x-buckets of one shape in one row, makes solid runs and fragments, from left to right.
 
-use crate::coverage::{Span, Style};
+use crate::coverage::{Parts, Style, TakeSpans};
 use crate::edges::FRACTION_BITS;
 use crate::pixel::fragment::Cover;
 use crate::strips::{Buckets, Cell, Piece, NO_PIECE};
@@ -24,13 +24,13 @@ pub(crate) trait FindCover {
 /// Sweeps one row of a shape that lies within columns [from, to) and what winds round them, and empties
 /// its buckets.
 #[inline]
-pub(crate) fn row<F: FindCover>(
+pub(crate) fn row<A: Parts>(
     buckets: &mut Buckets,
     (row, columns): (usize, (usize, usize)),
     style: Style,
-    finder: &mut F,
-    pieces: &mut Vec<Piece>,
-    mut take: impl FnMut(Span<F::Fragment>),
+    (finder, pieces): (&mut impl FindCover<Fragment = A::Fragment>, &mut Vec<Piece>),
+    parts: &mut A,
+    take: &mut impl TakeSpans<A>,
 ) {
     let rule = style.rule;
     // Winding times height of all that lies left, in 1/ONE. Between cells it is a whole number of
@@ -53,10 +53,10 @@ pub(crate) fn row<F: FindCover>(
         }
         let to = x + usize::from(is_full);
         if (inside || is_full) && !(is_full && goes_on) && from < to {
-            take(Span::Solid(from, to));
+            take.solid(from, to, parts);
         }
         if let Cover::Part(fragment) = here {
-            take(Span::Part(x, fragment));
+            take.part(x, fragment, parts);
         }
         if goes_on && !is_full {
             from = x + 1;
@@ -65,6 +65,6 @@ pub(crate) fn row<F: FindCover>(
     });
     let width = buckets.width();
     if inside && from < width {
-        take(Span::Solid(from, width));
+        take.solid(from, width, parts);
     }
 }

@@ -3,7 +3,7 @@
 
 use crate::band::Picture;
 use crate::bitmap::Bitmap;
-use crate::coverage::{BandPlace, Coverage, Part, Parts, Span, Style};
+use crate::coverage::{BandPlace, Coverage, Part, Parts, Style, TakeSpans};
 use crate::edges::Edge;
 use crate::pixel::fragment::{Coverer, Fragment};
 use crate::pixel::resolve::{Node, Resolver, Surroundings};
@@ -89,10 +89,10 @@ impl Coverage for Exact {
         columns: (usize, usize),
         _: BandPlace,
         style: Style,
-        mut take: impl FnMut(Span<Fragment>, &mut Nodes),
+        take: &mut impl TakeSpans<Nodes>,
     ) {
         let Exact { buckets, pieces, coverer, nodes, .. } = self;
-        sweep::row(buckets, (row, columns), style, coverer, pieces, |span| take(span, nodes));
+        sweep::row(buckets, (row, columns), style, (coverer, pieces), nodes, take);
     }
 
     #[inline]
