@@ -7,7 +7,7 @@
 //! outlined blobs at 1024 px, 81,601 of 89,777 (shape, band) pairs end there.
 
 use crate::bitmap::for_runs;
-use crate::cel::{Brush, Cel, Rows, Run};
+use crate::cel::{Brush, Cel, Pixels, Rows};
 use crate::clip::{ClipBand, Clipping, TakeClipped, Uniting};
 use crate::coverage::{BandPlace, Coverage, PartOf, Parts, Style};
 use crate::edges::{Bounds, EdgeList, BAND_ROWS};
@@ -117,19 +117,21 @@ impl<C: Coverage> BandRenderer<C> {
         self.lap(|laps| Some(&mut laps.sweep));
         if let Brush::Flat(behind, _) = brush {
             let around = Surroundings { background: behind, ..*picture.around };
-            while let Some(run) = self.cels[depth].take_to_resolve() {
-                self.resolve(run, depth, &around, rows);
+            while let Some(pixels) = self.cels[depth].take_to_resolve() {
+                self.resolve(pixels, &around, rows);
             }
             self.lap(|laps| Some(&mut laps.resolve));
         }
     }
 
-    /// Gives pixels that have a z-list their colours.
-    fn resolve(&mut self, Run { row, from, to }: Run, depth: usize, around: &Surroundings, rows: &mut Rows) {
-        let (cel, y) = (&self.cels[depth], rows.top + row as u32);
+    /// Gives pixels of the picture's cel that have a z-list their colours.
+    fn resolve(&mut self, Pixels { row, word, mut bits }: Pixels, around: &Surroundings, rows: &mut Rows) {
+        let (cel, y) = (&self.cels[0], rows.top + row as u32);
         let pixels = rows.row(row, cel.width);
-        for (x, pixel) in (from..to).zip(&mut pixels[from..to]) {
-            *pixel = self.coverage.resolve(cel.list(row, x), &self.entries, (x as u32, y), around);
+        while bits != 0 {
+            let x = word * 64 + bits.trailing_zeros() as usize;
+            bits &= bits - 1;
+            pixels[x] = self.coverage.resolve(cel.list(row, x), &self.entries, (x as u32, y), around);
         }
     }
 
@@ -231,10 +233,7 @@ impl<C: Coverage> BandRenderer<C> {
                 let (done, uniform, listed) = self.cels[0].states(row, word);
                 let first = word * 64;
                 self.finish_uniform(picture, (row, first), [!(done | uniform | listed), uniform], &mut rows);
-                for_runs(listed, |from, to| {
-                    let run = Run { row, from: first + from, to: first + to };
-                    self.resolve(run, 0, picture.around, &mut rows);
-                });
+                self.resolve(Pixels { row, word, bits: listed }, picture.around, &mut rows);
             }
         }
     }

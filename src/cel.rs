@@ -90,15 +90,15 @@ pub(crate) struct Cel {
     /// First and last entry of each pixel's z-list.
     lists: Vec<(u32, u32)>,
     /// Pixels whose z-list the last shape has ended with an opaque colour, which is not in it.
-    to_resolve: Vec<Run>,
+    to_resolve: Vec<Pixels>,
 }
 
-/// Pixels [from, to) of a row.
+/// Some of the 64 pixels of one word of a row.
 #[derive(Clone, Copy)]
-pub(crate) struct Run {
+pub(crate) struct Pixels {
     pub row: usize,
-    pub from: usize,
-    pub to: usize,
+    pub word: usize,
+    pub bits: u64,
 }
 
 impl Cel {
@@ -160,7 +160,7 @@ impl Cel {
                     _ => self.start_sheets(row, top, word, fresh, brush),
                 }
             }
-            if ends_lists {
+            if ends_lists && touched != 0 {
                 touched &= !self.end_lists(row, word, touched);
             }
             if touched != 0 {
@@ -171,17 +171,19 @@ impl Cel {
     }
 
     /// Leaves those of some pixels of a word that have z-lists to be resolved; tells which these are.
+    #[inline(always)]
     fn end_lists(&mut self, row: usize, word: usize, touched: u64) -> u64 {
         let listed = touched & self.listed.row(row)[word];
-        let first = word * 64;
-        for_runs(listed, |a, b| self.to_resolve.push(Run { row, from: first + a, to: first + b }));
-        self.listed.row_mut(row)[word] &= !listed;
-        self.touched.row_mut(row)[word] &= !listed;
+        if listed != 0 {
+            self.to_resolve.push(Pixels { row, word, bits: listed });
+            self.listed.row_mut(row)[word] &= !listed;
+            self.touched.row_mut(row)[word] &= !listed;
+        }
         listed
     }
 
     /// Pixels whose z-list the last shape has ended, to be resolved with its colour behind everything.
-    pub fn take_to_resolve(&mut self) -> Option<Run> {
+    pub fn take_to_resolve(&mut self) -> Option<Pixels> {
         self.to_resolve.pop()
     }
 

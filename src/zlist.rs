@@ -56,6 +56,14 @@ impl ZLists<'_> {
     pub fn resolve_simply(&self, head: Head, around: &Surroundings, resolver: &mut Resolver) -> Option<Mean> {
         let entry = self.entries.get(head.first as usize)?;
         let (first, sheet) = self.leaf(entry)?;
+        if entry.next == NO_ENTRY && head.front == Sheet::CLEAR {
+            // So it is with most pixels of all.
+            let mut mean = Mean::default();
+            mean.add(sheet.over(around.background), first.area(), around.linear);
+            mean.add(around.background, PIXEL_AREA - first.area(), around.linear);
+            resolver.counts.one_fragment += 1;
+            return Some(mean);
+        }
         match self.entries.get(entry.next as usize) {
             Some(second) if second.part != WHOLE => self
                 .tiled(entry, head.front, around, resolver)
