@@ -12,6 +12,9 @@ use crate::strips::{Piece, NO_PIECE};
 /// The node that is the whole pixel.
 const WHOLE: u32 = u32::WHOLE;
 
+/// Sheets in a list of few fragments.
+const MOST_SHEETS: usize = 8;
+
 /// No entry, or the end of a list.
 pub(crate) const NO_ENTRY: u32 = u32::MAX;
 
@@ -65,9 +68,9 @@ impl ZLists<'_> {
             return Some(mean);
         }
         match self.entries.get(entry.next as usize) {
-            Some(second) if second.part != WHOLE => self
-                .tiled(entry, head.front, around, resolver)
-                .or_else(|| self.pair((first, sheet), second, head.front, around, resolver)),
+            Some(second) if second.part != WHOLE => {
+                self.tiled(entry, head.front, around, resolver).or_else(|| self.few(head, around, resolver))
+            }
             _ => {
                 let behind = self.sheets_behind(entry.next, around.background)?;
                 let mut mean = Mean::default();
@@ -101,30 +104,42 @@ impl ZLists<'_> {
         Some(front.over(background))
     }
 
-    /// Two fragments before sheets of one colour.
-    fn pair(
-        &self,
-        (a, front): (&Fragment, Sheet),
-        second: &Entry<u32>,
-        before: Sheet,
-        around: &Surroundings,
-        resolver: &mut Resolver,
-    ) -> Option<Mean> {
-        let (b, back) = self.leaf(second)?;
-        let behind = self.sheets_behind(second.next, around.background)?;
-        let shared = resolver.pair.shared_area(a, b, self.pieces)?;
-        let with_back = back.over(behind);
+    /// A few fragments among sheets, each of one colour.
+    fn few(&self, head: Head, around: &Surroundings, resolver: &mut Resolver) -> Option<Mean> {
+        let few = &mut resolver.few;
+        few.clear();
+        // Each with the set of fragments that must be there for it to be seen: one or none.
+        let mut sheets = [(Sheet::CLEAR, 0); MOST_SHEETS];
+        let (mut count, mut leaves) = (0, 0);
+        let mut next = head.first;
+        while let Some(entry) = self.entries.get(next as usize) {
+            next = entry.next;
+            let here = sheets.get_mut(count)?;
+            count += 1;
+            *here = match entry.kind {
+                Kind::Sheet(sheet) if entry.part == WHOLE => (sheet, 0),
+                _ => {
+                    let (fragment, sheet) = self.leaf(entry)?;
+                    if !few.add(fragment, self.pieces) {
+                        return None;
+                    }
+                    leaves += 1;
+                    (sheet, 1 << (leaves - 1))
+                }
+            };
+        }
+        let areas = few.areas()?;
         let mut mean = Mean::default();
-        let mut add = |sheet: Sheet, area: i64| {
-            if area > 0 {
-                mean.add(before.over(sheet), area, around.linear);
+        for (set, area) in areas[..1 << leaves].iter().enumerate().filter(|(_, &area)| area > 0) {
+            let mut front = head.front;
+            for (sheet, leaf) in &sheets[..count] {
+                if set & leaf == *leaf {
+                    front = front.over(*sheet);
+                }
             }
-        };
-        add(front.over(with_back), shared);
-        add(front.over(behind), a.area() - shared);
-        add(with_back, b.area() - shared);
-        add(behind, PIXEL_AREA - a.area() - b.area() + shared);
-        resolver.counts.paired += 1;
+            mean.add(front.over(around.background), *area, around.linear);
+        }
+        resolver.counts.few += 1;
         Some(mean)
     }
 

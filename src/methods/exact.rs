@@ -117,7 +117,7 @@ impl Coverage for Exact {
         vec![
             ("pixels_one_fragment", counts.one_fragment),
             ("pixels_tiled", counts.tiled),
-            ("pixels_paired", counts.paired),
+            ("pixels_of_few", counts.few),
             ("pixels_along_borders", counts.along_borders),
             ("pixels_split", counts.split),
             ("pixels_sampled", counts.sampled),

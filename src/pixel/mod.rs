@@ -7,7 +7,7 @@
 //! | [`crossings`] | pieces of two fragments → where they cross |
 //! | [`cuts`] | pieces that meet → the parts between |
 //! | [`indicator`] | a fragment that crosses itself → the border of what its rule fills |
-//! | [`pair`] | two fragments with one border line each → visible regions |
+//! | [`few`] | a few fragments whose borders do not touch → visible regions |
 //! | [`boundary`] | fragments whose borders cross seldom or never → visible regions |
 //! | [`split`] | several fragments → visible regions (Catmull's integrator) |
 //! | [`sample`] | the same, bounded, where splitting would take too long |
@@ -17,9 +17,9 @@ pub(crate) mod boundary;
 pub(crate) mod certificate;
 pub(crate) mod crossings;
 pub(crate) mod cuts;
+pub(crate) mod few;
 pub(crate) mod fragment;
 pub(crate) mod indicator;
-pub(crate) mod pair;
 pub(crate) mod resolve;
 pub(crate) mod sample;
 pub(crate) mod split;

@@ -4,8 +4,8 @@
 //! Promises: the weights are integers, none negative, and sum exactly to the pixel.
 
 use super::boundary::Boundary;
+use super::few::Few;
 use super::fragment::{Fragment, PieceSet, PIXEL_AREA};
-use super::pair::Pair;
 use super::sample::Sampler;
 use super::split::{centroid, Integrator, Known, MOST_LEAVES};
 use crate::edges::ONE;
@@ -50,7 +50,7 @@ enum Item {
 pub(crate) struct Counts {
     pub one_fragment: u64,
     pub tiled: u64,
-    pub paired: u64,
+    pub few: u64,
     pub along_borders: u64,
     pub split: u64,
     pub sampled: u64,
@@ -70,7 +70,7 @@ pub(crate) struct Resolver {
     /// Does the scene have clips?
     pub has_clips: bool,
     set: PieceSet,
-    pub pair: Pair,
+    pub few: Few,
     boundary: Boundary,
     integrator: Integrator,
     sampler: Sampler,

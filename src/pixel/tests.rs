@@ -1,8 +1,8 @@
 //! Every closed form is held against Catmull's recursion, on random fragments of one pixel.
 
 use super::boundary::Boundary;
+use super::few::Few;
 use super::fragment::{Cover, Coverer, Fragment, PieceSet, PIXEL_AREA};
-use super::pair::Pair;
 use super::sample::Sampler;
 use super::split::Integrator;
 use crate::bitmap::Bitmap;
@@ -146,23 +146,31 @@ fn the_area_of_one_fragment_is_what_the_recursion_finds() {
 }
 
 #[test]
-fn two_borders_share_what_the_recursion_finds() {
+fn regions_of_few_fragments_are_those_of_the_recursion() {
     let mut random = Random(2);
-    let mut used = 0;
+    let mut used = [0; 5];
     for round in 0..8000 {
         let mut pixel = Pixel::default();
-        pixel.add(&random.polygon(3 + round % 4, round % 4 == 0), FillRule::NonZero);
-        pixel.add(&random.polygon(3 + round % 3, round % 4 == 0), FillRule::EvenOdd);
-        let [a, b] = pixel.fragments[..] else {
+        for i in 0..2 + round % 3 {
+            let rule = if i % 2 == 0 { FillRule::NonZero } else { FillRule::EvenOdd };
+            pixel.add(&random.polygon(3 + (round + i) % 4, round % 4 == 0), rule);
+        }
+        let mut few = Few::default();
+        if pixel.fragments.len() < 2 || !pixel.fragments.iter().all(|f| few.add(f, &pixel.pieces)) {
+            continue;
+        }
+        let Some(areas) = few.areas() else {
             continue;
         };
-        if let Some(shared) = Pair::default().shared_area(&a, &b, &pixel.pieces) {
-            let truth = pixel.regions().expect("few pieces").get(&0b11).copied().unwrap_or(0);
-            assert!((shared - truth).abs() <= TOLERANCE, "round {round}: {shared} for {truth}");
-            used += 1;
+        let truth = pixel.regions().expect("few pieces");
+        for (set, &area) in areas.iter().enumerate() {
+            let truth = truth.get(&(set as u64)).copied().unwrap_or(0);
+            assert!((area - truth).abs() <= TOLERANCE, "round {round}, set {set:b}: {area} for {truth}");
         }
+        assert_eq!(areas.iter().sum::<i64>(), PIXEL_AREA);
+        used[pixel.fragments.len()] += 1;
     }
-    assert!(used > 5000, "the closed form was used {used} times");
+    assert!(used[2] > 2000 && used[3] > 1000 && used[4] > 500, "used {used:?} times");
 }
 
 #[test]
