@@ -236,26 +236,6 @@ fn frames_that_are_there_are_left_and_the_rest_is_completed() {
 }
 
 #[test]
-fn a_killed_sequence_is_completed_to_the_same_bytes() {
-    let folder = Folder::new();
-    let input = sample("bounce");
-    let common = ["--fps", "60", "-w", "300", input.as_str(), "--skip-existing", "-o"];
-    folder.make(&[common.as_slice(), &["whole/f.##.png"]].concat());
-    for pause in [20, 60, 120] {
-        let arguments = [common.as_slice(), &["killed/f.##.png"]].concat();
-        let mut command = Command::new(env!("CARGO_BIN_EXE_toon-raster"));
-        let mut child = command.current_dir(&folder.0).args(&arguments).spawn().unwrap();
-        std::thread::sleep(std::time::Duration::from_millis(pause));
-        child.kill().unwrap();
-        child.wait().unwrap();
-        folder.make(&arguments);
-        let frames = folder.files("killed").into_iter().filter(|(name, _)| name.ends_with(".png"));
-        assert!(frames.eq(folder.files("whole")), "killed after {pause} ms");
-        fs::remove_dir_all(folder.0.join("killed")).unwrap();
-    }
-}
-
-#[test]
 fn frames_of_two_sizes_are_no_movie() {
     let folder = Folder::with_frames(2);
     fs::write(folder.0.join("f.0003.svg"), square(3).replace("\"40\"", "\"41\"")).unwrap();

@@ -13,6 +13,7 @@
 //! | [`frames`] | the frames job: a sequence to its files, or to one |
 //! | [`movie`] | frames → one file of them, in any format |
 //! | [`output`] | encoded bytes → a whole file or none |
+//! | [`temporary`] | the place of a file to be → a hidden file beside it, which never outlives the work |
 //! | [`query`] | the query job: ids and boxes |
 //! | [`compare_args`] | argv of `compare` → its job |
 //! | [`compare`] | the compare job: every method on every input, to a table, JSON and a page |
@@ -37,6 +38,7 @@ pub mod render;
 pub mod report;
 pub mod sequence;
 pub mod size;
+pub mod temporary;
 pub mod values;
 
 /// What the user asked for.
