@@ -42,13 +42,13 @@ pub struct SequenceOptions {
     /// Leave frames whose files are there
     #[arg(long)]
     pub skip_existing: bool,
-    /// How often a GIF or APNG plays; 0 is for ever
+    /// How often a GIF, APNG or WebP plays; 0 is for ever
     #[arg(long = "loop", value_name = "N", default_value_t = 0)]
     pub plays: u16,
     /// One PNG with the frames in rows of COLS, and a JSON of where they are
     #[arg(long, value_name = "COLSx", value_parser = values::columns)]
     pub sheet: Option<u32>,
-    /// Chroma and matrix of y4m: 444 or 420, 601 or 709 [default: 444,601]
+    /// Chroma and matrix of video: 444 or 420, 601 or 709 [default: y4m 444,601; mp4 and webm 420,709]
     #[arg(long, value_name = "LIST", value_parser = values::yuv)]
     pub yuv: Option<Yuv>,
     /// Motion blur: how long the shutter is open, 360 being the time of a frame
@@ -359,7 +359,7 @@ impl Studio {
             effort: self.job.picture.effort,
             plays,
             sheet,
-            yuv: yuv.unwrap_or(Yuv { halved: false, bt709: false }),
+            yuv,
         }
     }
 

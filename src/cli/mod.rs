@@ -12,6 +12,7 @@
 //! | [`sequence`] | inputs and output of a sequence as named → frames and where they go |
 //! | [`frames`] | the frames job: a sequence to its files, or to one |
 //! | [`movie`] | frames → one file of them, in any format |
+//! | [`ffmpeg`] | frames → MP4, WebM or WebP by that program |
 //! | [`output`] | encoded bytes → a whole file or none |
 //! | [`temporary`] | the place of a file to be → a hidden file beside it, which never outlives the work |
 //! | [`query`] | the query job: ids and boxes |
@@ -26,6 +27,7 @@
 pub mod args;
 pub mod compare;
 pub mod compare_args;
+pub mod ffmpeg;
 pub mod fonts;
 pub mod frames;
 pub mod input;

@@ -32,8 +32,12 @@ impl Output {
         Ok(Output { writer: BufWriter::with_capacity(1 << 16, writer), unfinished, name })
     }
 
-    /// The file that is to get the name, for another program to write to; `None` of what is no file.
-    pub fn path(&self) -> Option<&Path> {
+    /// The file that is to get the name, for another program to write over; `None` if it is no file.
+    pub fn hand_over(&mut self) -> Option<&Path> {
+        // There a lock keeps others from writing.
+        if cfg!(windows) && self.unfinished.is_some() {
+            self.writer = BufWriter::new(Box::new(io::sink()));
+        }
         self.unfinished.as_ref().map(Temporary::path)
     }
 

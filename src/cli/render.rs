@@ -266,7 +266,7 @@ impl<'o> Encoder<'o> {
                 Ok(Encoder::Png(Box::new(PngWriter::new(output, width, height, opaque, job.effort)?)))
             }
             Format::Rgba => Ok(Encoder::Rgba(output)),
-            Format::Apng | Format::Gif | Format::Y4m => unreachable!("the frames job writes these"),
+            _ => unreachable!("the frames job writes what holds many"),
         }
     }
 
