@@ -18,8 +18,8 @@ pub struct Video {
     pub rate: Rate,
     /// No pixel is transparent.
     pub opaque: bool,
-    /// Half the chroma and BT.709 if nothing else is said: what players expect.
-    pub yuv: Option<Yuv>,
+    /// But for WebP, which is RGB.
+    pub yuv: Yuv,
     /// How often a WebP plays; 0 is for ever.
     pub plays: u16,
 }
@@ -105,21 +105,21 @@ fn input(video: &Video) -> Vec<String> {
 
 /// The codec with its settings. Flat colours and hard edges want more bits than films do.
 fn coding(video: &Video) -> Result<Vec<String>, Error> {
-    let yuv = video.yuv.unwrap_or(Yuv { halved: true, bt709: true });
+    let yuv = video.yuv;
     let chroma = if yuv.halved { "420" } else { "444" };
     let mut words: Vec<String> = Vec::new();
     let mut add = |more: &str| words.extend(more.split(' ').map(str::to_string));
     match video.format {
         Format::Mp4 => {
-            add(&format!("-vf {}", filters(video, yuv, &format!("yuv{chroma}p"))));
+            add(&format!("-vf {}", filters(video, &format!("yuv{chroma}p"))));
             add("-c:v libx264 -preset medium -tune animation -crf 14 -movflags +faststart");
         }
         Format::Webm if video.opaque => {
-            add(&format!("-vf {}", filters(video, yuv, &format!("yuv{chroma}p"))));
+            add(&format!("-vf {}", filters(video, &format!("yuv{chroma}p"))));
             add("-c:v libvpx-vp9 -crf 12 -b:v 0 -row-mt 1 -cpu-used 4");
         }
         Format::Webm if yuv.halved => {
-            add(&format!("-vf {}", filters(video, yuv, "yuva420p")));
+            add(&format!("-vf {}", filters(video, "yuva420p")));
             // VP9 hides no frames where there is alpha.
             add("-c:v libvpx-vp9 -crf 12 -b:v 0 -row-mt 1 -cpu-used 4 -auto-alt-ref 0");
         }
@@ -144,7 +144,8 @@ fn coding(video: &Video) -> Result<Vec<String>, Error> {
 
 /// From RGB to limited-range YUV, exactly; H.264 with half the chroma wants an even size, so that a last
 /// column or row comes twice.
-fn filters(video: &Video, yuv: Yuv, pixels: &str) -> String {
+fn filters(video: &Video, pixels: &str) -> String {
+    let yuv = video.yuv;
     let matrix = if yuv.bt709 { "bt709" } else { "smpte170m" };
     let scale = format!(
         "scale=out_color_matrix={matrix}:out_range=tv:flags=accurate_rnd+full_chroma_int+full_chroma_inp"

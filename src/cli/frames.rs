@@ -9,14 +9,14 @@ use super::render::RenderJob;
 use super::report::{self, Failure, Progress};
 use super::sequence::{Destination, Numbered, Origin};
 use super::size::{self, Part};
-use super::values::{self, Format};
+use super::values::{self, Format, YuvChoice};
 use super::{input, render, temporary};
 use std::io::Write;
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::Arc;
 use std::time::Instant;
-use toon_raster::encode::{Layout, PngWriter, Rate, Yuv};
+use toon_raster::encode::{Layout, PngWriter, Rate};
 use toon_raster::frames::list::FrameList;
 use toon_raster::frames::sequence::{in_order, Cels, AHEAD};
 use toon_raster::frames::{blur, Timeline};
@@ -50,7 +50,7 @@ pub struct SequenceOptions {
     pub sheet: Option<u32>,
     /// Chroma and matrix of video: 444 or 420, 601 or 709 [default: y4m 444,601; mp4 and webm 420,709]
     #[arg(long, value_name = "LIST", value_parser = values::yuv)]
-    pub yuv: Option<Yuv>,
+    pub yuv: Option<YuvChoice>,
     /// Motion blur: how long the shutter is open, 360 being the time of a frame
     #[arg(long, value_name = "DEGREES", value_parser = values::shutter)]
     pub shutter: Option<f64>,
@@ -359,7 +359,7 @@ impl Studio {
             effort: self.job.picture.effort,
             plays,
             sheet,
-            yuv,
+            yuv: yuv.unwrap_or_default(),
         }
     }
 

@@ -2,7 +2,7 @@
 
 use super::ffmpeg::{Ffmpeg, Video};
 use super::output::Output;
-use super::values::Format;
+use super::values::{Format, YuvChoice};
 use std::io::Write;
 use toon_raster::encode::{
     ApngWriter, Effort, GifWriter, Layout, PngWriter, Rate, SheetWriter, Y4mWriter, Yuv,
@@ -21,8 +21,8 @@ pub struct Look {
     pub plays: u16,
     /// Columns of a sprite sheet.
     pub sheet: Option<u32>,
-    /// How colours become luma and chroma, where they do and it was said.
-    pub yuv: Option<Yuv>,
+    /// How colours become luma and chroma, where they do.
+    pub yuv: YuvChoice,
 }
 
 /// Frames on their way into one output: the first says how large all are.
@@ -117,7 +117,7 @@ impl<'o> Movie<'o> {
         Ok(match (look.format, look.sheet) {
             (Format::Rgba, _) => Movie::Raw(to),
             (Format::Y4m, _) => {
-                let yuv = look.yuv.unwrap_or(Yuv { halved: false, bt709: false });
+                let yuv = look.yuv.or(Yuv { halved: false, bt709: false });
                 Movie::Y4m(Y4mWriter::new(to, width, height, rate, yuv)?)
             }
             (Format::Apng, _) => {
@@ -129,7 +129,9 @@ impl<'o> Movie<'o> {
                 let file = to.hand_over().ok_or_else(|| {
                     Error::Setting(format!("ffmpeg makes {} only as a file (name one)", format.extension()))
                 })?;
-                let video = Video { format, width, height, rate, opaque, yuv: look.yuv, plays };
+                // What players expect.
+                let yuv = look.yuv.or(Yuv { halved: true, bt709: true });
+                let video = Video { format, width, height, rate, opaque, yuv, plays };
                 Movie::Ffmpeg(Ffmpeg::start(file, &video)?)
             }
             (Format::Png, Some(columns)) => {

@@ -112,14 +112,28 @@ pub fn columns(text: &str) -> Result<u32, String> {
     columns.ok_or_else(|| "must be a number of columns, such as 8x".to_string())
 }
 
-pub fn yuv(text: &str) -> Result<Yuv, String> {
-    let mut yuv = Yuv { halved: false, bt709: false };
+/// `--yuv`: what of it was said.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct YuvChoice {
+    halved: Option<bool>,
+    bt709: Option<bool>,
+}
+
+impl YuvChoice {
+    /// With the rest as the format has it.
+    pub fn or(self, usual: Yuv) -> Yuv {
+        Yuv { halved: self.halved.unwrap_or(usual.halved), bt709: self.bt709.unwrap_or(usual.bt709) }
+    }
+}
+
+pub fn yuv(text: &str) -> Result<YuvChoice, String> {
+    let mut yuv = YuvChoice::default();
     for part in text.split(',').map(str::trim) {
         match part {
-            "444" => yuv.halved = false,
-            "420" => yuv.halved = true,
-            "601" => yuv.bt709 = false,
-            "709" => yuv.bt709 = true,
+            "444" => yuv.halved = Some(false),
+            "420" => yuv.halved = Some(true),
+            "601" => yuv.bt709 = Some(false),
+            "709" => yuv.bt709 = Some(true),
             _ => return Err("must be 444 or 420, 601 or 709, or one of each by a comma".to_string()),
         }
     }
