@@ -55,9 +55,21 @@ impl Value {
             name if TEXTS.contains(&name) => None,
             name if is_color(name) => color(text, current),
             "d" => path(text),
+            "offset" => numbers(text).map(Value::without_percent),
+            name if name.ends_with("opacity") => numbers(text).map(Value::without_percent),
             _ => numbers(text),
         };
         value.unwrap_or_else(|| Value::Text(text.to_string()))
+    }
+
+    /// Of a share: 50% is .5.
+    fn without_percent(self) -> Value {
+        let Value::Numbers(list) = self else { return self };
+        let plain = |(number, unit)| match unit {
+            LengthUnit::Percent => (number / 100.0, LengthUnit::None),
+            unit => (number, unit),
+        };
+        Value::Numbers(list.into_iter().map(plain).collect())
     }
 
     /// Between `self` (at 0) and `other` (at 1); `None` if they do not mix.
@@ -262,6 +274,7 @@ mod tests {
         assert_eq!(half("x", "0", "20%").as_deref(), Some("10%"));
         assert_eq!(half("x", "1in", "48px").as_deref(), Some("72px"));
         assert_eq!(half("x", "1em", "20%"), None);
+        assert_eq!(half("fill-opacity", "1", "30%").as_deref(), Some("0.65"));
         assert_eq!(half("points", "0,0 2,2", "2 4-2 0").as_deref(), Some("1 2 0 1"));
         assert_eq!(half("points", "0,0", "1"), None);
     }
