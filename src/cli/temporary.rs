@@ -133,6 +133,10 @@ mod signals {
                     // Held to the end: no file is begun or named any more.
                     let live = super::live();
                     live.iter().for_each(|path| drop(std::fs::remove_file(path)));
+                    if std::process::id() == 1 {
+                        // The first process of a container takes no signal by default.
+                        std::process::exit(128 + signal);
+                    }
                     let _ = signal_hook::low_level::emulate_default_handler(signal);
                 }
             };
