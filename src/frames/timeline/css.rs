@@ -4,6 +4,7 @@
 use super::cascade::{is_property, style_texts, Cascade};
 use super::document::{element, Element, Name, Values};
 use super::easing::Easing;
+use super::individual::{self, Individual};
 use super::run::{runs, shorthand, Direction, Run};
 use super::transforms::{self, Frame};
 use super::value::Value;
@@ -18,6 +19,7 @@ pub(super) struct Css {
     tracks: Vec<Track>,
     /// Transforms that style sheets give and nothing moves: the parser knows no units in them.
     rest: Vec<Track>,
+    individual: Vec<Individual>,
 }
 
 /// One animation of one property of one element.
@@ -54,6 +56,7 @@ impl Css {
         let mut keyframes = Keyframes::new();
         for text in injected.into_iter().chain(style_texts(xml)) {
             find_keyframes(text, &mut keyframes);
+            conditions(text, unevaluated);
         }
         let mut css = Css::default();
         for node in xml.descendants().filter(Node::is_element) {
@@ -63,14 +66,20 @@ impl Css {
                     css.add(node, run, blocks, cascade, unevaluated);
                 }
             }
+            let mut has_individual = false;
             for (name, value) in &declarations {
                 match (*name, *value) {
                     ("transform", value) => css.rest.push(Track::at_rest(node, value, cascade)),
+                    ("translate" | "rotate" | "scale", _) => has_individual = true,
                     ("animation-composition", "add" | "accumulate") | ("animation-timeline", _) => {
                         unevaluated.add(format!("{name}: {value}"));
                     }
                     _ => {}
                 }
+            }
+            let moves = |track: &Track| track.node == element(node) && track.is_individual();
+            if has_individual || css.tracks.iter().rev().any(moves) {
+                css.individual.push(Individual::of(node, cascade));
             }
         }
         css
@@ -79,6 +88,7 @@ impl Css {
     /// Forgets what does not move, where nothing else does either.
     pub(super) fn forget_rest(&mut self) {
         self.rest.clear();
+        self.individual.clear();
     }
 
     fn add<'a>(
@@ -96,7 +106,7 @@ impl Css {
         for name in names {
             let place = match name {
                 "animation-timing-function" => continue,
-                name if is_property(name) || name == "transform" => Name::Property(name.to_string()),
+                name if is_property(name) || is_transform(name) => Name::Property(name.to_string()),
                 "d" | "x" | "y" | "cx" | "cy" | "r" | "rx" | "ry" | "width" | "height" => {
                     Name::Attribute(name.to_string())
                 }
@@ -105,14 +115,18 @@ impl Css {
                     continue;
                 }
             };
-            let frame = if name == "transform" { Frame::of(node, cascade) } else { Frame::default() };
+            let frame = if is_transform(name) { Frame::of(node, cascade) } else { Frame::default() };
+            let base = match individual::NAMES.contains(&name) {
+                true => cascade.declared(node, name).unwrap_or_default().to_string(),
+                false => cascade.value(node, name),
+            };
             self.tracks.push(Track {
                 node: element(node),
                 name: place,
                 run: run.clone(),
                 stops: stops(name, blocks),
                 current: cascade.current_color(node),
-                base: cascade.value(node, name),
+                base,
                 frame,
             });
         }
@@ -125,16 +139,16 @@ impl Css {
 
     /// What is set, whether it changes or not.
     pub(super) fn all_places(&self) -> impl Iterator<Item = (Element, Name)> + '_ {
-        self.tracks.iter().chain(&self.rest).map(|track| (track.node, track.name.clone()))
+        let whole = self.individual.iter().map(|i| (i.node, Name::Property("transform".to_string())));
+        self.tracks.iter().chain(&self.rest).map(|track| (track.node, track.name.clone())).chain(whole)
     }
 
     /// The elements whose boxes transforms refer to, and what is to be told about them.
     pub(super) fn boxes(&mut self) -> impl Iterator<Item = (Element, &mut Frame)> {
-        self.tracks
-            .iter_mut()
-            .chain(&mut self.rest)
-            .filter(|track| track.frame.needs_box())
-            .map(|track| (track.node, &mut track.frame))
+        let tracks = self.tracks.iter_mut().chain(&mut self.rest);
+        let tracks = tracks.map(|track| (track.node, &mut track.frame));
+        let individual = self.individual.iter_mut().map(|i| (i.node, &mut i.frame));
+        tracks.chain(individual).filter(|(_, frame)| frame.needs_box())
     }
 
     /// Puts what does not move where SMIL and keyframes may go over it.
@@ -145,6 +159,7 @@ impl Css {
     /// Puts the values at `time` over those of SMIL.
     pub(super) fn values(&self, time: f64, values: &mut Values) {
         put(&self.tracks, time, values);
+        self.individual.iter().for_each(|individual| individual.compose(values));
     }
 
     /// For each animation: when its last change is, and its period if it has no end.
@@ -176,7 +191,17 @@ fn put(tracks: &[Track], time: f64, values: &mut Values) {
     }
 }
 
+/// Whether a property's lengths refer to a box.
+fn is_transform(name: &str) -> bool {
+    name == "transform" || individual::NAMES.contains(&name)
+}
+
 impl Track {
+    /// Whether it is `translate`, `rotate` or `scale`.
+    fn is_individual(&self) -> bool {
+        matches!(&self.name, Name::Property(name) if individual::NAMES.contains(&name.as_str()))
+    }
+
     /// The transform of an element as it stands.
     fn at_rest<'a>(node: Node<'a, 'a>, transform: &str, cascade: &Cascade<'a>) -> Track {
         let stop = |at| Stop { at, value: Some(transform.to_string()), easing: None };
@@ -204,9 +229,13 @@ impl Track {
         if name == "transform" {
             return transforms::mix(from, to, way, &self.frame);
         }
+        if self.is_individual() {
+            let function = |value: &str| individual::as_function(name, value);
+            return transforms::mix(&function(from), &function(to), way, &self.frame);
+        }
         let parse = |text: &str| Value::parse(name, unwrap_path(name, text), Some(&self.current));
         let (a, b) = (parse(from), parse(to));
-        match a.mix(&b, way) {
+        match a.mix_as_css(&b, way) {
             Some(value) => value.text(),
             None if name == "visibility" && (from == "visible" || to == "visible") => {
                 // It is seen all the way between hidden and visible.
@@ -298,6 +327,28 @@ fn find_keyframes(css: &str, found: &mut Keyframes) {
         }
         found.insert(name.trim().trim_matches(['"', '\'']).to_string(), blocks);
         rest = body;
+    }
+}
+
+/// Names the conditions under which there would be animations: none of them is taken as given, as in the
+/// parser. Whoever asks for less motion is not meant.
+fn conditions(css: &str, unevaluated: &mut Unevaluated) {
+    let css = &without_comments(css);
+    for (at, _) in css.match_indices("@media").chain(css.match_indices("@supports")) {
+        let Some((condition, inside)) = css[at..].split_once('{') else { return };
+        let mut depth = 1_usize;
+        let end = inside.find(|c| {
+            depth = match c {
+                '{' => depth + 1,
+                '}' => depth - 1,
+                _ => depth,
+            };
+            depth == 0
+        });
+        let inside = &inside[..end.unwrap_or(inside.len())];
+        if inside.contains("animation") && !condition.replace(' ', "").contains("reduced-motion:reduce") {
+            unevaluated.add(format!("animations under {}", condition.trim()));
+        }
     }
 }
 

@@ -12,6 +12,7 @@
 //! | `motion` | `animateMotion` → a transform |
 //! | `transforms` | two CSS transform lists → the matrix between them |
 //! | `run` | `animation-…` of an element → where in its keyframes it is |
+//! | `individual` | `translate`, `rotate`, `scale` of an element → part of its transform |
 //! | `cascade` | style sheets → the value a property has before it moves |
 //! | `smil`, `css` | all that moves → values at a time |
 //! | `document` | the drawing and values → the document |
@@ -22,6 +23,7 @@ mod css;
 mod document;
 mod easing;
 mod function;
+mod individual;
 mod intervals;
 mod motion;
 mod run;

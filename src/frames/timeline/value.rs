@@ -77,6 +77,17 @@ impl Value {
         self.combine(other, |a, b| a + (b - a) * share)
     }
 
+    /// The same as CSS has it: what is transparent lends no colour.
+    pub(super) fn mix_as_css(&self, other: &Value, share: f64) -> Option<Value> {
+        let (Value::Color(a), Value::Color(b)) = (self, other) else { return self.mix(other, share) };
+        let alpha = a[3] + (b[3] - a[3]) * share;
+        let channel = |i: usize| match alpha > 0.0 {
+            true => (a[i] * a[3] * (1.0 - share) + b[i] * b[3] * share) / alpha,
+            false => 0.0,
+        };
+        Some(Value::Color([channel(0), channel(1), channel(2), alpha]))
+    }
+
     /// `self` and `times` times `other`; `None` if they do not add up.
     pub(super) fn plus(&self, other: &Value, times: f64) -> Option<Value> {
         self.combine(other, |a, b| a + b * times)
