@@ -172,7 +172,7 @@ fn what_ffmpeg_says_is_passed_on_in_one_line_and_nothing_is_left() {
     let path = format!("{}:{}", tools.0.display(), std::env::var("PATH").unwrap());
     for (does, words) in [
         (
-            "echo '[libx264 @ 0x55d0] no such preset' >&2; echo 'Conversion failed!' >&2; exit 1",
+            "echo '[libx264 @ 0x55d0] [opts @ 0x55d0] no such preset' >&2; echo 'Conversion failed!' >&2; exit 1",
             "ffmpeg says: no such preset",
         ),
         (

@@ -162,16 +162,16 @@ fn filters(video: &Video, pixels: &str) -> String {
     format!("{even}{scale},format={pixels}")
 }
 
-/// The first line of what it says, without the address of who says it. The rest is read away.
+/// The first line of what it says, without the addresses of who says it. The rest is read away.
 fn first_words(errors: ChildStderr) -> String {
     let mut first = String::new();
     for line in BufReader::new(errors).lines().map_while(Result::ok) {
         if first.is_empty() {
-            let line = line.trim();
-            first = match line.strip_prefix('[').and_then(|rest| rest.split_once("] ")) {
-                Some((_, words)) => words.trim().to_string(),
-                None => line.to_string(),
-            };
+            let mut words = line.trim();
+            while let Some((_, after)) = words.strip_prefix('[').and_then(|rest| rest.split_once("] ")) {
+                words = after.trim();
+            }
+            first = words.to_string();
         }
     }
     first

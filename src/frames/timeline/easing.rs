@@ -109,7 +109,8 @@ fn points(arguments: &[&str]) -> Option<Easing> {
             argument.split_whitespace().partition(|word| word.ends_with('%'));
         let [way] = way[..] else { return None };
         let way = way.parse().ok().filter(|w: &f64| w.is_finite())?;
-        let time = |word: &&str| word.trim_end_matches('%').parse::<f64>().ok().map(|p| p / 100.0);
+        let number = |word: &&str| word.trim_end_matches('%').parse::<f64>().ok();
+        let time = |word: &&str| number(word).filter(|p| p.is_finite()).map(|p| p / 100.0);
         match &times[..] {
             [] => points.push((None, way)),
             [_] | [_, _] => points.extend(times.iter().map(|word| (time(word), way))),
@@ -180,6 +181,7 @@ mod tests {
         assert!((css("linear(0, .8, .2, 1)", 0.5) - 0.5).abs() < 1e-9);
         assert!((css("linear(0, 2 50%, 1 20%)", 0.75) - 1.0).abs() < 1e-9);
         assert_eq!(Easing::from_css("linear(1)"), None);
+        assert_eq!(css("linear(0, 1 nan%, 0 inf%, 1)", 1.0), 1.0);
     }
 
     #[test]

@@ -282,6 +282,9 @@ fn hostile_animations_end_soon() {
         "<animateMotion path='M0 0L1e308 1e308L-1e308 0' dur='1s'/>",
         "<animate attributeName='x' dur='1e-300s' values=';;;' repeatCount='1e300'/>",
         "<animate attributeName='x' dur='0.000000001s' values='1;2' repeatCount='indefinite'/>",
+        "<style>@media } } { @supports { @media { animation } }</style><g/>",
+        "<style>@keyframes k { to { rotate: ; scale: 1e308 nan; translate: x\"y } } g { rotate: (; animation: k 1s linear(, 1 2 3) }</style>",
+        "<style>@keyframes k { to { rotate: 9turn } } g { animation: k 1s linear(0 nan%, 1e308 -5%, 1) infinite }</style>",
         "<style>@keyframes { a { x</style><g style='animation: \u{e9} 1s'/>",
         "<animate attributeName='' to='1'/><animate attributeName='&lt;' to='1' dur='1s'/>",
     ] {
