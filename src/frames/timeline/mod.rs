@@ -134,10 +134,14 @@ impl Timeline {
     /// The document that is seen `seconds` after the start, as SVG text.
     pub fn document_at(&self, seconds: f64) -> String {
         let mut values = Values::new();
-        self.css.values_at_rest(&mut values);
-        self.smil.values(&self.schedule(seconds), seconds, &mut values);
-        self.css.values(seconds, &mut values);
+        self.values_at(seconds, &mut values);
         self.template.filled(&values)
+    }
+
+    fn values_at(&self, seconds: f64, values: &mut Values) {
+        self.css.values_at_rest(values);
+        self.smil.values(&self.schedule(seconds), seconds, values);
+        self.css.values(seconds, values);
     }
 
     /// How long it moves.
