@@ -4,50 +4,88 @@
 //!     cargo run --release --example against_chromium -- samples/anim
 //!
 //! Prints for each file the mean difference in 8-bit levels at each time, after a 3 x 3 blur (the two
-//! smooth edges differently), and marks those above [`TOLERATED`]. Chromium is not needed for the tests:
-//! they hold values worked out by hand.
+//! smooth edges differently), and the largest difference of all; marks files above [`TOLERATED`].
+//!
+//! Two samples differ by intent: `kinds` has `animateColor`, which Chromium has dropped, and `motion` has
+//! a path with `calcMode="linear"`, whose vertices SVG gives equal times and Chromium times by distance.
+//!
+//!     --save FOLDER     ours, Chromium's and the difference side by side, a row for each time
+//!     --answers FILE    stores what was found to be right, for the tests, which need no Chromium
 
+#[path = "../tests/support/moments.rs"]
+mod moments;
+
+use moments::{cells, picture, SIDE, TIMES};
+use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use toon_raster::frames::Timeline;
-use toon_raster::{Options, Renderer, Scene, Settings, Viewport};
+use toon_raster::Options;
 
-/// Moments compared, in seconds.
-const TIMES: [f64; 3] = [0.33, 1.07, 2.71];
-/// Side of a picture, in pixels.
-const SIDE: usize = 96;
 /// Pictures side by side on the page that Chromium draws.
-const COLUMNS: usize = 12;
+const COLUMNS: usize = 15;
 /// Mean difference in levels which edges alone may make.
 const TOLERATED: f64 = 2.0;
+/// Largest difference where no shape is anywhere else, in levels: only such pictures are stored.
+const ALIKE: f64 = 64.0;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let mut files = Vec::new();
-    std::env::args_os().skip(1).for_each(|argument| collect(Path::new(&argument), &mut files));
+    let (mut files, mut save, mut answers) = (Vec::new(), None, None);
+    let mut arguments = std::env::args_os().skip(1);
+    while let Some(argument) = arguments.next() {
+        match argument.to_str() {
+            Some("--save") => save = arguments.next().map(PathBuf::from),
+            Some("--answers") => answers = arguments.next().map(PathBuf::from),
+            _ => collect(Path::new(&argument), &mut files),
+        }
+    }
     files.sort();
     let folder = std::env::temp_dir().join(format!("against-chromium-{}", std::process::id()));
     std::fs::create_dir_all(&folder)?;
     let page = screenshot(&files, &folder);
     std::fs::remove_dir_all(&folder)?;
     let (width, page) = page?;
-    let mut renderer = Renderer::new(Settings { background: Some([255; 4]), ..Settings::default() })?;
-    let mut above = 0;
+    let (mut above, mut right) = (0, String::new());
     for (row, file) in files.iter().enumerate() {
         let timeline = Timeline::read(&std::fs::read(file)?, &Options::default())?;
-        let mut differences = Vec::new();
+        let (mut line, mut far, mut worst) = (String::new(), false, 0.0_f64);
+        let (mut strip, mut stored) = (Vec::new(), String::new());
         for (column, time) in TIMES.into_iter().enumerate() {
-            let ours = frame(&timeline, time, &mut renderer)?;
+            let ours = picture(&timeline, time)?;
             let cell = row * TIMES.len() + column;
             let (left, top) = (cell % COLUMNS * SIDE, cell / COLUMNS * SIDE);
             let theirs = |x: usize, y: usize, c: usize| page[((top + y) * width + left + x) * 3 + c];
-            differences.push(difference(|x, y, c| ours[(y * SIDE + x) * 4 + c], theirs));
+            let own = |x: usize, y: usize, c: usize| ours[(y * SIDE + x) * 4 + c];
+            let (mean, largest) = difference(own, theirs);
+            far |= mean > TOLERATED;
+            worst = worst.max(largest);
+            write!(line, "{mean:6.2} ")?;
+            let hex: String = cells(&ours).iter().map(|byte| format!("{byte:02x}")).collect();
+            writeln!(stored, "{} {time} {hex}", file.display())?;
+            strip.extend(side_by_side(own, theirs));
         }
-        let far = differences.iter().any(|&d| d > TOLERATED);
         above += usize::from(far);
-        let list: Vec<String> = differences.iter().map(|d| format!("{d:6.2}")).collect();
-        println!("{} {}{}", list.join(" "), file.display(), if far { "  <-- above" } else { "" });
+        let alike = worst <= ALIKE;
+        let mark = match (far, alike) {
+            (true, _) => "  <-- above",
+            (false, false) => "  <-- a shape differs",
+            (false, true) => "",
+        };
+        println!("{line} {worst:4.0} {}{mark}", file.display());
+        if !far && alike {
+            right += &stored;
+        }
+        if let Some(folder) = &save {
+            std::fs::create_dir_all(folder)?;
+            let name = folder.join(file.with_extension("png").file_name().unwrap_or_default());
+            let rows = (SIDE * TIMES.len()) as u32;
+            image::save_buffer(name, &strip, 3 * SIDE as u32, rows, image::ColorType::Rgb8)?;
+        }
     }
     println!("{} of {} files within {TOLERATED} levels", files.len() - above, files.len());
+    if let Some(file) = answers {
+        std::fs::write(file, right)?;
+    }
     Ok(())
 }
 
@@ -57,18 +95,6 @@ fn collect(path: &Path, files: &mut Vec<PathBuf>) {
         Err(_) if path.extension().is_some_and(|e| e == "svg") => files.push(path.to_path_buf()),
         Err(_) => {}
     }
-}
-
-/// Our frame, as large as fits, in the middle of a square: where Chromium puts it.
-fn frame(timeline: &Timeline, time: f64, renderer: &mut Renderer) -> Result<Vec<u8>, toon_raster::Error> {
-    let scene = Scene::from_bytes(timeline.document_at(time).as_bytes(), &Options::default())?;
-    let (size, side) = (scene.size(), SIDE as f64);
-    let scale = side / size.width.max(size.height);
-    let left = 0.5 * (side - scale * size.width);
-    let top = 0.5 * (side - scale * size.height);
-    let transform = toon_raster::kurbo::Affine::new([scale, 0.0, 0.0, scale, left, top]);
-    let viewport = Viewport { width: SIDE as u32, height: SIDE as u32, transform };
-    Ok(renderer.render(&scene, &viewport)?.data().to_vec())
 }
 
 /// Width and RGB rows of a page with every file at every time.
@@ -82,7 +108,7 @@ fn screenshot(files: &[PathBuf], folder: &Path) -> Result<(usize, Vec<u8>), Box<
             let document = format!(
                 "<body style='margin:0'>{svg}<style>body>svg{{width:{SIDE}px;height:{SIDE}px;display:block}}\
                  </style><script>var s=document.querySelector('svg');s.pauseAnimations();s.setCurrentTime({time});\
-                 document.getAnimations().forEach(a=>{{a.pause();a.currentTime={}}})</script>",
+                 document.getAnimations().forEach(a=>{{if(a.playState!='paused'){{a.pause();a.currentTime={}}}}})</script>",
                 1000.0 * time
             );
             let document = document.replace('&', "&amp;").replace('"', "&quot;");
@@ -107,29 +133,34 @@ fn screenshot(files: &[PathBuf], folder: &Path) -> Result<(usize, Vec<u8>), Box<
         .stderr(Stdio::null())
         .status()
         .map_err(|e| format!("chromium cannot be run (install it): {e}"))?;
-    let file = std::fs::File::open(folder.join("page.png"))
+    let page = image::open(folder.join("page.png"))
         .map_err(|e| format!("chromium ended with {status} and made no picture: {e}"))?;
-    let mut reader = png::Decoder::new(std::io::BufReader::new(file)).read_info()?;
-    let mut pixels = vec![0; reader.output_buffer_size().ok_or("the page is too large")?];
-    let info = reader.next_frame(&mut pixels)?;
-    let rgb = match info.color_type {
-        png::ColorType::Rgba => pixels.as_chunks::<4>().0.iter().flat_map(|p| [p[0], p[1], p[2]]).collect(),
-        _ => pixels,
-    };
-    Ok((info.width as usize, rgb))
+    Ok((page.width() as usize, page.into_rgb8().into_raw()))
 }
 
-/// Mean difference of two pictures, each blurred by the mean of 3 x 3 pixels.
-fn difference(a: impl Fn(usize, usize, usize) -> u8, b: impl Fn(usize, usize, usize) -> u8) -> f64 {
-    let mut sum = 0;
+/// Mean and largest difference of two pictures, each blurred by the mean of 3 x 3 pixels.
+fn difference(a: impl Fn(usize, usize, usize) -> u8, b: impl Fn(usize, usize, usize) -> u8) -> (f64, f64) {
+    let (mut sum, mut largest) = (0, 0);
     for y in 1..SIDE - 1 {
         for x in 1..SIDE - 1 {
             for c in 0..3 {
                 let around = (0..9).map(|i| (x + i % 3 - 1, y + i / 3 - 1));
                 let off = around.map(|(x, y)| i32::from(a(x, y, c)) - i32::from(b(x, y, c))).sum::<i32>();
                 sum += off.unsigned_abs();
+                largest = largest.max(off.unsigned_abs());
             }
         }
     }
-    f64::from(sum) / (9 * 3 * (SIDE - 2) * (SIDE - 2)) as f64
+    (f64::from(sum) / (9 * 3 * (SIDE - 2) * (SIDE - 2)) as f64, f64::from(largest) / 9.0)
+}
+
+/// RGB rows of both and of their difference.
+fn side_by_side(a: impl Fn(usize, usize, usize) -> u8, b: impl Fn(usize, usize, usize) -> u8) -> Vec<u8> {
+    let pixel = |place: usize, x: usize, y: usize, c: usize| match place {
+        0 => a(x, y, c),
+        1 => b(x, y, c),
+        _ => a(x, y, c).abs_diff(b(x, y, c)),
+    };
+    let row = |y: usize| (0..3 * SIDE * 3).map(move |i| pixel(i / (3 * SIDE), i / 3 % SIDE, y, i % 3));
+    (0..SIDE).flat_map(row).collect()
 }

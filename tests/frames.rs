@@ -1,76 +1,34 @@
 //! Drives the program on sequences: every way to make the frames gives the same bytes, each format holds
 //! the frames it was given, and what goes wrong with one frame stays with it.
 
+#[path = "support/folder.rs"]
+mod folder;
+
+use folder::{said, sample, Folder};
 use std::fs;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output, Stdio};
-use std::sync::atomic::{AtomicU32, Ordering};
+use std::process::Output;
 
-/// A folder of its own for each test, removed at its end.
-struct Folder(PathBuf);
-
-impl Folder {
-    fn new() -> Folder {
-        static COUNT: AtomicU32 = AtomicU32::new(0);
-        let number = COUNT.fetch_add(1, Ordering::Relaxed);
-        let folder = std::env::temp_dir().join(format!("toon-raster-frames-{}-{number}", std::process::id()));
-        fs::create_dir_all(&folder).unwrap();
-        Folder(folder)
+/// With drawings of a square that moves, as `f.0001.svg` and so on.
+fn with_frames(count: u32) -> Folder {
+    let folder = Folder::new();
+    for n in 1..=count {
+        fs::write(folder.path(&format!("f.{n:04}.svg")), square(n)).unwrap();
     }
-
-    /// With drawings of a square that moves, as `f.0001.svg` and so on.
-    fn with_frames(count: u32) -> Folder {
-        let folder = Folder::new();
-        for n in 1..=count {
-            fs::write(folder.0.join(format!("f.{n:04}.svg")), square(n)).unwrap();
-        }
-        folder
-    }
-
-    fn run(&self, arguments: &[&str]) -> Output {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_toon-raster"));
-        command.current_dir(&self.0).args(arguments).stdin(Stdio::null()).output().unwrap()
-    }
-
-    /// Runs it, and expects all to go well without a word.
-    fn make(&self, arguments: &[&str]) -> Vec<u8> {
-        let output = self.run(arguments);
-        assert_eq!((output.status.code(), said(&output).as_str()), (Some(0), ""), "{arguments:?}");
-        output.stdout
-    }
-
-    fn read(&self, name: &str) -> Vec<u8> {
-        fs::read(self.0.join(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
-    }
-
-    /// Names and bytes of the files in a folder.
-    fn files(&self, folder: &str) -> Vec<(String, Vec<u8>)> {
-        let entries = fs::read_dir(self.0.join(folder)).unwrap().map(|entry| entry.unwrap().path());
-        let name = |path: &Path| path.file_name().unwrap().to_str().unwrap().to_string();
-        let mut files: Vec<_> = entries.map(|path| (name(&path), fs::read(path).unwrap())).collect();
-        files.sort();
-        files
-    }
+    folder
 }
 
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.0);
-    }
+fn run(folder: &Folder, arguments: &[&str]) -> Output {
+    folder.command(arguments).output().unwrap()
 }
 
-fn said(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned()
+fn read(folder: &Folder, name: &str) -> Vec<u8> {
+    fs::read(folder.path(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
 }
 
 fn square(n: u32) -> String {
     format!(
         r##"<svg xmlns="http://www.w3.org/2000/svg" width="40" height="20"><circle cx="{n}.5" cy="9" r="6" fill="#07c"/></svg>"##
     )
-}
-
-fn sample(name: &str) -> String {
-    format!("{}/samples/anim/{name}.svg", env!("CARGO_MANIFEST_DIR"))
 }
 
 /// The frames of an animated PNG, as a viewer shows them, on its canvas.
@@ -123,13 +81,13 @@ fn a_sequence_is_its_frames_one_by_one_for_every_thread_count_and_chunking() {
 
 #[test]
 fn drawings_by_pattern_glob_or_folder_are_the_same_as_one_by_one() {
-    let folder = Folder::with_frames(11);
+    let folder = with_frames(11);
     folder.make(&["f.####.svg", "-o", "pattern/f.####.png"]);
     folder.make(&["f.*.svg", "-o", "glob/f.####.png"]);
     folder.make(&[".", "-o", "folder/"]);
     (1..=11).for_each(|n| {
         let (input, output) = (format!("f.{n:04}.svg"), format!("alone/f.{n:04}.png"));
-        fs::create_dir_all(folder.0.join("alone")).unwrap();
+        fs::create_dir_all(folder.path("alone")).unwrap();
         folder.make(&[&input, &output]);
     });
     let alone = folder.files("alone");
@@ -148,7 +106,7 @@ fn an_apng_and_raw_pixels_hold_the_same_frames() {
     let input = sample("bounce");
     folder.make(&[&input, "a.apng", "--fps", "10"]);
     let raw = folder.make(&[&input, "-", "--format", "rgba", "--fps", "10"]);
-    let frames = apng_frames(&folder.read("a.apng"));
+    let frames = apng_frames(&read(&folder, "a.apng"));
     assert_eq!(frames.len(), 8);
     assert!(frames.concat() == raw);
     assert!(frames[0] != frames[4]);
@@ -158,7 +116,7 @@ fn an_apng_and_raw_pixels_hold_the_same_frames() {
 fn a_gif_of_flat_art_keeps_its_colours_and_its_time() {
     let folder = Folder::new();
     folder.make(&[&sample("bounce"), "a.gif", "--fps", "30", "-b", "white", "--loop", "3"]);
-    let file = folder.read("a.gif");
+    let file = read(&folder, "a.gif");
     let mut options = gif::DecodeOptions::new();
     options.set_color_output(gif::ColorOutput::RGBA);
     let mut decoder = options.read_info(file.as_slice()).unwrap();
@@ -181,7 +139,7 @@ fn y4m_has_a_header_and_frames_of_the_right_length_and_asks_for_a_background() {
     let folder = Folder::new();
     let input = sample("bounce");
     let arguments = [&input, "-", "--format", "y4m", "--fps", "30000/1001", "-w", "33"];
-    let output = folder.run(&arguments);
+    let output = run(&folder, &arguments);
     assert_eq!(output.status.code(), Some(3), "{}", said(&output));
     assert!(said(&output).contains("--background") && said(&output).lines().count() == 1);
     let more = ["-b", "white", "--yuv", "420,709"];
@@ -195,27 +153,27 @@ fn y4m_has_a_header_and_frames_of_the_right_length_and_asks_for_a_background() {
 fn a_sprite_sheet_has_its_json() {
     let folder = Folder::new();
     folder.make(&[&sample("frames"), "s.png", "--sheet", "3x", "--fps", "4", "-w", "20"]);
-    let json: serde_json::Value = serde_json::from_slice(&folder.read("s.json")).unwrap();
+    let json: serde_json::Value = serde_json::from_slice(&read(&folder, "s.json")).unwrap();
     assert_eq!(json["frames"].as_array().unwrap().len(), 4);
     assert_eq!((&json["frames"][3]["frame"]["x"], &json["frames"][3]["frame"]["y"]), (&0.into(), &20.into()));
     assert_eq!((&json["meta"]["size"]["w"], &json["meta"]["size"]["h"]), (&60.into(), &40.into()));
-    let reader = png::Decoder::new(std::io::Cursor::new(folder.read("s.png"))).read_info().unwrap();
+    let reader = png::Decoder::new(std::io::Cursor::new(read(&folder, "s.png"))).read_info().unwrap();
     assert_eq!((reader.info().width, reader.info().height), (60, 40));
 }
 
 #[test]
 fn one_broken_frame_is_one_line_and_the_others_are_made() {
-    let folder = Folder::with_frames(5);
-    fs::write(folder.0.join("f.0003.svg"), "<svg").unwrap();
-    let output = folder.run(&["f.####.svg", "-o", "out/f.####.png"]);
+    let folder = with_frames(5);
+    fs::write(folder.path("f.0003.svg"), "<svg").unwrap();
+    let output = run(&folder, &["f.####.svg", "-o", "out/f.####.png"]);
     assert_eq!(output.status.code(), Some(1));
     assert_eq!(said(&output).lines().count(), 1, "{}", said(&output));
     assert!(said(&output).contains("f.0003.svg"));
     assert_eq!(folder.files("out").len(), 4);
     // In one file the frame before stands for it, so that the rest keeps its time.
-    let output = folder.run(&["f.####.svg", "out.apng"]);
+    let output = run(&folder, &["f.####.svg", "out.apng"]);
     assert_eq!(output.status.code(), Some(1));
-    let frames = apng_frames(&folder.read("out.apng"));
+    let frames = apng_frames(&read(&folder, "out.apng"));
     assert_eq!(frames.len(), 5);
     assert!(frames[2] == frames[1] && frames[3] != frames[1]);
 }
@@ -227,8 +185,8 @@ fn frames_that_are_there_are_left_and_the_rest_is_completed() {
     let arguments = [&input, "-o", "f.##.png", "--fps", "10", "-w", "30", "--skip-existing"];
     folder.make(&arguments);
     let whole = folder.files(".");
-    fs::remove_file(folder.0.join("f.03.png")).unwrap();
-    fs::write(folder.0.join("f.05.png"), "kept").unwrap();
+    fs::remove_file(folder.path("f.03.png")).unwrap();
+    fs::write(folder.path("f.05.png"), "kept").unwrap();
     folder.make(&arguments);
     for ((name, before), (_, after)) in whole.iter().zip(folder.files(".")) {
         assert!(if name == "f.05.png" { after == b"kept" } else { after == *before }, "{name}");
@@ -236,40 +194,20 @@ fn frames_that_are_there_are_left_and_the_rest_is_completed() {
 }
 
 #[test]
-fn a_killed_sequence_is_completed_to_the_same_bytes() {
-    let folder = Folder::new();
-    let input = sample("bounce");
-    let common = ["--fps", "60", "-w", "300", input.as_str(), "--skip-existing", "-o"];
-    folder.make(&[common.as_slice(), &["whole/f.##.png"]].concat());
-    for pause in [20, 60, 120] {
-        let arguments = [common.as_slice(), &["killed/f.##.png"]].concat();
-        let mut command = Command::new(env!("CARGO_BIN_EXE_toon-raster"));
-        let mut child = command.current_dir(&folder.0).args(&arguments).spawn().unwrap();
-        std::thread::sleep(std::time::Duration::from_millis(pause));
-        child.kill().unwrap();
-        child.wait().unwrap();
-        folder.make(&arguments);
-        let frames = folder.files("killed").into_iter().filter(|(name, _)| name.ends_with(".png"));
-        assert!(frames.eq(folder.files("whole")), "killed after {pause} ms");
-        fs::remove_dir_all(folder.0.join("killed")).unwrap();
-    }
-}
-
-#[test]
 fn frames_of_two_sizes_are_no_movie() {
-    let folder = Folder::with_frames(2);
-    fs::write(folder.0.join("f.0003.svg"), square(3).replace("\"40\"", "\"41\"")).unwrap();
-    let output = folder.run(&["f.####.svg", "out.gif"]);
+    let folder = with_frames(2);
+    fs::write(folder.path("f.0003.svg"), square(3).replace("\"40\"", "\"41\"")).unwrap();
+    let output = run(&folder, &["f.####.svg", "out.gif"]);
     assert_eq!(output.status.code(), Some(3), "{}", said(&output));
     assert!(said(&output).contains("41 x 20") && said(&output).lines().count() == 1, "{}", said(&output));
-    assert!(!folder.0.join("out.gif").exists());
+    assert!(!folder.path("out.gif").exists());
 }
 
 #[test]
 fn motion_blur_leaves_what_rests_and_spreads_what_moves() {
     let folder = Folder::new();
     let still = r##"<svg xmlns="http://www.w3.org/2000/svg" width="40" height="20"><rect width="9" height="9" fill="#123"/><circle cy="15" r="2"><animate attributeName="cx" from="2" to="38" dur="1s"/></circle></svg>"##;
-    fs::write(folder.0.join("a.svg"), still).unwrap();
+    fs::write(folder.path("a.svg"), still).unwrap();
     let raw = |more: &[&str]| {
         folder.make(&[&["a.svg", "-", "--format", "rgba", "--fps", "4", "--frames", "2"], more].concat())
     };
@@ -283,7 +221,7 @@ fn motion_blur_leaves_what_rests_and_spreads_what_moves() {
 #[test]
 fn what_is_not_animated_is_named_in_one_line() {
     let folder = Folder::new();
-    let output = folder.run(&[&sample("sync"), "-o", "f.#.png", "--fps", "2", "-w", "20"]);
+    let output = run(&folder, &[&sample("sync"), "-o", "f.#.png", "--fps", "2", "-w", "20"]);
     assert_eq!(output.status.code(), Some(0));
     assert!(said(&output).contains("not animated: begin=\"f-rect.click\""), "{}", said(&output));
     assert_eq!(said(&output).lines().count(), 1);
@@ -293,7 +231,7 @@ fn what_is_not_animated_is_named_in_one_line() {
 fn too_many_frames_are_refused_with_the_flag_that_allows_them() {
     let folder = Folder::new();
     for more in [&["--frames", "1-1000000"][..], &["--fps", "1000", "--max-frames", "20"]] {
-        let output = folder.run(&[&[sample("bounce").as_str(), "-o", "f.#.png"], more].concat());
+        let output = run(&folder, &[&[sample("bounce").as_str(), "-o", "f.#.png"], more].concat());
         assert_eq!(output.status.code(), Some(3));
         assert!(said(&output).contains("--max-frames"), "{}", said(&output));
     }
@@ -302,7 +240,7 @@ fn too_many_frames_are_refused_with_the_flag_that_allows_them() {
 #[test]
 fn a_drawing_that_holds_still_is_painted_once() {
     let folder = Folder::new();
-    let output = folder.run(&["--perf=json", &sample("frames"), "a.gif", "--fps", "48", "-t", "2"]);
+    let output = run(&folder, &["--perf=json", &sample("frames"), "a.gif", "--fps", "48", "-t", "2"]);
     let perf: serde_json::Value = serde_json::from_slice(&output.stderr).unwrap();
     // Each quarter of the second is one picture.
     assert_eq!((&perf["frames"], &perf["painted"]), (&48.into(), &4.into()));
@@ -316,7 +254,7 @@ fn one_frame_goes_where_one_picture_goes() {
     folder.make(&[common.as_slice(), &["-o", "f.#.png"]].concat());
     folder.make(&[common.as_slice(), &["alone.png"]].concat());
     let piped = folder.make(&[common.as_slice(), &["-"]].concat());
-    assert!(folder.read("f.4.png") == piped && folder.read("alone.png") == piped);
+    assert!(read(&folder, "f.4.png") == piped && read(&folder, "alone.png") == piped);
 }
 
 #[test]
@@ -329,8 +267,8 @@ fn a_million_frames_are_listed_but_not_kept() {
 
 #[test]
 fn progress_speaks_open_job_description() {
-    let folder = Folder::with_frames(4);
-    let output = folder.run(&["f.####.svg", "-o", "o.#.png", "--progress", "openjd"]);
+    let folder = with_frames(4);
+    let output = run(&folder, &["f.####.svg", "-o", "o.#.png", "--progress", "openjd"]);
     assert!(said(&output).starts_with("openjd_progress: 25.0\nopenjd_status: 1 of 4\n"), "{}", said(&output));
     assert!(said(&output).contains("openjd_progress: 100.0\n"));
 }

@@ -33,7 +33,7 @@ const MAX_PIXELS: u64 = 1 << 28;
     override_usage = "toon-raster [OPTIONS] IN.svg OUT.png\n       \
                       toon-raster [OPTIONS] IN... -o FOLDER|shot.####.png\n       \
                       toon-raster compare [OPTIONS] IN...\n       \
-                      toon-raster [OPTIONS] ANIMATED.svg|f.####.svg|'f*.svg'|FOLDER -o shot.####.png|OUT.gif|OUT.apng|-\n       \
+                      toon-raster [OPTIONS] ANIMATED.svg|f.####.svg|'f*.svg'|FOLDER -o shot.####.png|OUT.gif|OUT.mp4|-\n       \
                       toon-raster completions SHELL",
     after_help = "`-` is standard input or output. Exit codes: 0 all done, 1 some input failed, \
                   2 usage, 3 the input can't be rendered."
@@ -130,7 +130,8 @@ struct PictureOptions {
     /// Threads; 0 is one a core. The picture does not depend on it
     #[arg(short, long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=1024))]
     threads: u16,
-    /// png, rgba (raw pixels), apng, gif or y4m (video, for pipes), where the output's name does not tell
+    /// png, rgba (raw pixels), apng, gif, y4m (video, for pipes) or, by ffmpeg, mp4, webm or webp, where
+    /// the output's name does not tell
     #[arg(long, value_name = "FORMAT", value_parser = values::format)]
     format: Option<Format>,
     /// Spend the least time on packing the PNG

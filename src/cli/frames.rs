@@ -9,14 +9,14 @@ use super::render::RenderJob;
 use super::report::{self, Failure, Progress};
 use super::sequence::{Destination, Numbered, Origin};
 use super::size::{self, Part};
-use super::values::{self, Format};
-use super::{input, render};
+use super::values::{self, Format, YuvChoice};
+use super::{input, render, temporary};
 use std::io::Write;
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::Arc;
 use std::time::Instant;
-use toon_raster::encode::{Layout, PngWriter, Rate, Yuv};
+use toon_raster::encode::{Layout, PngWriter, Rate};
 use toon_raster::frames::list::FrameList;
 use toon_raster::frames::sequence::{in_order, Cels, AHEAD};
 use toon_raster::frames::{blur, Timeline};
@@ -42,15 +42,15 @@ pub struct SequenceOptions {
     /// Leave frames whose files are there
     #[arg(long)]
     pub skip_existing: bool,
-    /// How often a GIF or APNG plays; 0 is for ever
+    /// How often a GIF, APNG or WebP plays; 0 is for ever
     #[arg(long = "loop", value_name = "N", default_value_t = 0)]
     pub plays: u16,
     /// One PNG with the frames in rows of COLS, and a JSON of where they are
     #[arg(long, value_name = "COLSx", value_parser = values::columns)]
     pub sheet: Option<u32>,
-    /// Chroma and matrix of y4m: 444 or 420, 601 or 709 [default: 444,601]
+    /// Chroma and matrix of video: 444 or 420, 601 or 709 [default: y4m 444,601; mp4 and webm 420,709]
     #[arg(long, value_name = "LIST", value_parser = values::yuv)]
-    pub yuv: Option<Yuv>,
+    pub yuv: Option<YuvChoice>,
     /// Motion blur: how long the shutter is open, 360 being the time of a frame
     #[arg(long, value_name = "DEGREES", value_parser = values::shutter)]
     pub shutter: Option<f64>,
@@ -92,6 +92,12 @@ struct Frame {
     /// For messages.
     name: String,
     what: What,
+}
+
+/// What became of a frame that did not fail.
+enum Done {
+    Made,
+    WasThere,
 }
 
 enum What {
@@ -207,15 +213,21 @@ impl Studio {
             report::catching(|| self.to_file(renderer, &self.frames[n]))
         };
         let mut failures = Vec::new();
-        let sink = |n: usize, done: Result<(), Failure>| {
+        let sink = |n: usize, done: Result<Done, Failure>| {
             let frame = &self.frames[n];
-            let ok = done.is_ok();
-            if let Err(failure) = done {
-                progress.clear();
-                report::failure(&frame.name, &failure);
-                failures.push(failure);
+            match done {
+                Ok(Done::Made) => progress.tick(&frame.name, true),
+                Ok(Done::WasThere) => progress.skip(&frame.name),
+                Err(failure) => {
+                    progress.clear();
+                    report::failure(&frame.name, &failure);
+                    // Where this one cannot be written, no other can.
+                    let nowhere = matches!(failure, Failure::Place(_));
+                    failures.push(failure);
+                    progress.tick(&frame.name, false);
+                    return !nowhere;
+                }
             }
-            progress.tick(&frame.name, ok);
             true
         };
         let done = in_order(self.frames.len(), self.threads, || self.renderer(), make, sink);
@@ -242,10 +254,10 @@ impl Studio {
         }
     }
 
-    fn to_file(&self, renderer: &mut Option<Renderer>, frame: &Frame) -> Result<(), Failure> {
+    fn to_file(&self, renderer: &mut Option<Renderer>, frame: &Frame) -> Result<Done, Failure> {
         let target = self.target(frame);
         if self.job.options.skip_existing && exists(&target) {
-            return Ok(());
+            return Ok(Done::WasThere);
         }
         let picture = self.picture(renderer, frame);
         let picture = picture.as_ref().as_ref().map_err(Clone::clone)?;
@@ -254,7 +266,7 @@ impl Studio {
             Error::Io(e) => output.failure(&e),
             other => other.into(),
         })?;
-        output.commit()
+        output.commit().map(|()| Done::Made)
     }
 
     fn write(&self, output: &mut Output, picture: &Pixmap) -> Result<(), Error> {
@@ -347,7 +359,7 @@ impl Studio {
             effort: self.job.picture.effort,
             plays,
             sheet,
-            yuv: yuv.unwrap_or(Yuv { halved: false, bt709: false }),
+            yuv: yuv.unwrap_or_default(),
         }
     }
 
@@ -421,8 +433,14 @@ fn scene(tree: &usvg::Tree, part: &Part) -> Result<Scene, Error> {
     }
 }
 
+/// Whether a file is there; if so, nothing unfinished is left beside it.
 fn exists(target: &Target) -> bool {
-    matches!(target, Target::File(path) if path.metadata().is_ok_and(|m| m.is_file() && m.len() > 0))
+    let Target::File(path) = target else { return false };
+    let there = path.metadata().is_ok_and(|m| m.is_file() && m.len() > 0);
+    if there {
+        temporary::clear(path);
+    }
+    there
 }
 
 /// What an animated drawing shows at its start: the viewport of all its frames, and what to warn of.

@@ -12,7 +12,9 @@
 //! | [`sequence`] | inputs and output of a sequence as named → frames and where they go |
 //! | [`frames`] | the frames job: a sequence to its files, or to one |
 //! | [`movie`] | frames → one file of them, in any format |
+//! | [`ffmpeg`] | frames → MP4, WebM or WebP by that program |
 //! | [`output`] | encoded bytes → a whole file or none |
+//! | [`temporary`] | the place of a file to be → a hidden file beside it, which never outlives the work |
 //! | [`query`] | the query job: ids and boxes |
 //! | [`compare_args`] | argv of `compare` → its job |
 //! | [`compare`] | the compare job: every method on every input, to a table, JSON and a page |
@@ -25,6 +27,7 @@
 pub mod args;
 pub mod compare;
 pub mod compare_args;
+pub mod ffmpeg;
 pub mod fonts;
 pub mod frames;
 pub mod input;
@@ -37,6 +40,7 @@ pub mod render;
 pub mod report;
 pub mod sequence;
 pub mod size;
+pub mod temporary;
 pub mod values;
 
 /// What the user asked for.

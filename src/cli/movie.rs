@@ -1,7 +1,8 @@
 //! Takes frames in order, makes one file or stream of them, in any format that holds many.
 
+use super::ffmpeg::{Ffmpeg, Video};
 use super::output::Output;
-use super::values::Format;
+use super::values::{Format, YuvChoice};
 use std::io::Write;
 use toon_raster::encode::{
     ApngWriter, Effort, GifWriter, Layout, PngWriter, Rate, SheetWriter, Y4mWriter, Yuv,
@@ -20,7 +21,8 @@ pub struct Look {
     pub plays: u16,
     /// Columns of a sprite sheet.
     pub sheet: Option<u32>,
-    pub yuv: Yuv,
+    /// How colours become luma and chroma, where they do.
+    pub yuv: YuvChoice,
 }
 
 /// Frames on their way into one output: the first says how large all are.
@@ -53,9 +55,12 @@ impl<'o> Reel<'o> {
             )));
         }
         let translucent = || picture.data().as_chunks::<4>().0.iter().any(|pixel| pixel[3] != 255);
-        if self.look.format == Format::Y4m && translucent() {
-            let why = "it has transparent pixels, and y4m cannot (say --background COLOR)";
-            return Err(Error::Setting(why.to_string()));
+        let format = self.look.format;
+        if format.lacks_alpha() && !self.look.opaque && translucent() {
+            return Err(Error::Setting(format!(
+                "it has transparent pixels, and {} cannot (say --background COLOR)",
+                format.extension()
+            )));
         }
         if let Some(output) = self.output.take() {
             self.movie = Some(Movie::new(output, self.look, width, height)?);
@@ -103,6 +108,7 @@ enum Movie<'o> {
     Apng(Box<ApngWriter<&'o mut Output>>),
     Gif(Box<GifWriter<&'o mut Output>>),
     Sheet(Box<SheetWriter<&'o mut Output>>),
+    Ffmpeg(Ffmpeg),
 }
 
 impl<'o> Movie<'o> {
@@ -110,12 +116,24 @@ impl<'o> Movie<'o> {
         let &Look { frames, opaque, rate, effort, plays, .. } = look;
         Ok(match (look.format, look.sheet) {
             (Format::Rgba, _) => Movie::Raw(to),
-            (Format::Y4m, _) => Movie::Y4m(Y4mWriter::new(to, width, height, rate, look.yuv)?),
+            (Format::Y4m, _) => {
+                let yuv = look.yuv.or(Yuv { halved: false, bt709: false });
+                Movie::Y4m(Y4mWriter::new(to, width, height, rate, yuv)?)
+            }
             (Format::Apng, _) => {
                 let size = (width, height);
                 Movie::Apng(Box::new(ApngWriter::new(to, size, opaque, frames, rate, plays.into(), effort)?))
             }
             (Format::Gif, _) => Movie::Gif(Box::new(GifWriter::new(to, width, height, rate, plays)?)),
+            (format @ (Format::Mp4 | Format::Webm | Format::Webp), _) => {
+                let file = to.hand_over().ok_or_else(|| {
+                    Error::Setting(format!("ffmpeg makes {} only as a file (name one)", format.extension()))
+                })?;
+                // What players expect.
+                let yuv = look.yuv.or(Yuv { halved: true, bt709: true });
+                let video = Video { format, width, height, rate, opaque, yuv, plays };
+                Movie::Ffmpeg(Ffmpeg::start(file, &video)?)
+            }
             (Format::Png, Some(columns)) => {
                 let layout = Layout { width, height, columns, frames };
                 Movie::Sheet(Box::new(SheetWriter::new(to, layout, opaque, effort)?))
@@ -132,6 +150,7 @@ impl<'o> Movie<'o> {
             Movie::Apng(apng) => apng.write_frame(frame.data()),
             Movie::Gif(gif) => gif.write_frame(frame.data()),
             Movie::Sheet(sheet) => sheet.write_frame(frame.data()),
+            Movie::Ffmpeg(ffmpeg) => ffmpeg.write_frame(frame.data()),
         }
     }
 
@@ -143,6 +162,7 @@ impl<'o> Movie<'o> {
             Movie::Apng(apng) => apng.finish(),
             Movie::Gif(gif) => gif.finish(),
             Movie::Sheet(sheet) => sheet.finish(),
+            Movie::Ffmpeg(ffmpeg) => ffmpeg.finish(),
         }
     }
 }

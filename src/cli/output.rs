@@ -5,20 +5,16 @@
 
 use super::places::Target;
 use super::report::Failure;
-use std::fs::{self, File, OpenOptions};
-use std::io::{self, BufWriter, Write};
-use std::path::{Path, PathBuf};
+use super::temporary::Temporary;
+use std::fs::{self, OpenOptions};
+use std::io::{self, BufWriter, ErrorKind, Write};
+use std::path::Path;
 
 /// An output being written.
 pub struct Output {
     writer: BufWriter<Box<dyn Write + Send>>,
-    unfinished: Option<Unfinished>,
+    unfinished: Option<Temporary>,
     name: String,
-}
-
-struct Unfinished {
-    temporary: PathBuf,
-    place: PathBuf,
 }
 
 impl Output {
@@ -32,9 +28,17 @@ impl Output {
             Target::Stdout => Ok((Box::new(io::stdout()) as Box<dyn Write + Send>, None)),
             Target::File(path) => open(path),
         };
-        let (writer, unfinished) =
-            opened.map_err(|e| Failure::io(format!("{name} cannot be written: {}", explain(&e))))?;
+        let (writer, unfinished) = opened.map_err(|e| failure(&name, &e))?;
         Ok(Output { writer: BufWriter::with_capacity(1 << 16, writer), unfinished, name })
+    }
+
+    /// The file that is to get the name, for another program to write over; `None` if it is no file.
+    pub fn hand_over(&mut self) -> Option<&Path> {
+        // There a lock keeps others from writing.
+        if cfg!(windows) && self.unfinished.is_some() {
+            self.writer = BufWriter::new(Box::new(io::sink()));
+        }
+        self.unfinished.as_ref().map(Temporary::path)
     }
 
     /// Gives the file its name.
@@ -43,19 +47,15 @@ impl Output {
     /// When the last bytes cannot be written, or the name cannot be given.
     pub fn commit(mut self) -> Result<(), Failure> {
         self.writer.flush().map_err(|e| self.failure(&e))?;
-        if let Some(Unfinished { temporary, place }) = &self.unfinished {
-            fs::rename(temporary, place).map_err(|e| self.failure(&e))?;
+        match self.unfinished.take() {
+            Some(temporary) => temporary.take_place().map_err(|e| self.failure(&e)),
+            None => Ok(()),
         }
-        self.unfinished = None;
-        Ok(())
     }
 
     /// What to say if a write failed.
     pub fn failure(&self, error: &io::Error) -> Failure {
-        if error.kind() == io::ErrorKind::BrokenPipe {
-            return Failure::ClosedPipe;
-        }
-        Failure::io(format!("{} cannot be written: {}", self.name, explain(error)))
+        failure(&self.name, error)
     }
 }
 
@@ -69,57 +69,46 @@ impl Write for Output {
     }
 }
 
-impl Drop for Output {
-    fn drop(&mut self) {
-        if let Some(unfinished) = &self.unfinished {
-            // Nothing more can be done if even this fails.
-            let _ = fs::remove_file(&unfinished.temporary);
-        }
-    }
-}
-
-fn open(path: &Path) -> io::Result<(Box<dyn Write + Send>, Option<Unfinished>)> {
+fn open(path: &Path) -> io::Result<(Box<dyn Write + Send>, Option<Temporary>)> {
     // A link keeps pointing where it points: the file behind it is replaced.
     let place = fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
     let there = fs::metadata(&place).ok();
     if there.as_ref().is_some_and(|m| m.is_dir()) {
-        return Err(io::ErrorKind::IsADirectory.into());
+        return Err(ErrorKind::IsADirectory.into());
     }
     if there.as_ref().is_some_and(|m| !m.is_file()) {
         return Ok((Box::new(OpenOptions::new().write(true).open(&place)?), None));
     }
     if there.as_ref().is_some_and(|m| m.permissions().readonly()) {
-        return Err(io::ErrorKind::PermissionDenied.into());
+        return Err(io::Error::new(ErrorKind::PermissionDenied, "the file there is write-protected"));
     }
-    let (file, temporary) = create_beside(&place)?;
+    let (temporary, file) = Temporary::create(&place)?;
     if let Some(there) = there {
         // Permissions are a courtesy: a file system without them still gets the picture.
-        let _ = fs::set_permissions(&temporary, there.permissions());
+        let _ = fs::set_permissions(temporary.path(), there.permissions());
     }
-    Ok((Box::new(file), Some(Unfinished { temporary, place })))
+    Ok((Box::new(file), Some(temporary)))
 }
 
-fn create_beside(place: &Path) -> io::Result<(File, PathBuf)> {
-    let name = place.file_name().ok_or(io::ErrorKind::InvalidInput)?.to_string_lossy().into_owned();
-    // File systems allow some 255 bytes.
-    let name: String = name.chars().take(40).collect();
-    for attempt in 0.. {
-        let temporary = place.with_file_name(format!(".{name}.{}-{attempt}.tmp", std::process::id()));
-        match OpenOptions::new().write(true).create_new(true).open(&temporary) {
-            Ok(file) => return Ok((file, temporary)),
-            Err(e) if e.kind() == io::ErrorKind::AlreadyExists && attempt < 100 => continue,
-            Err(e) => return Err(e),
+fn failure(name: &str, error: &io::Error) -> Failure {
+    let why = match error.kind() {
+        ErrorKind::BrokenPipe => return Failure::ClosedPipe,
+        ErrorKind::NotFound => "its folder does not exist (make it first)".to_string(),
+        ErrorKind::PermissionDenied if error.get_ref().is_none() => {
+            "permission denied (choose a folder that you may write to)".to_string()
         }
-    }
-    unreachable!("the loop ends by returning")
-}
-
-fn explain(error: &io::Error) -> String {
-    match error.kind() {
-        io::ErrorKind::NotFound => "its folder does not exist (make it first)".to_string(),
-        io::ErrorKind::PermissionDenied => "permission denied".to_string(),
-        io::ErrorKind::IsADirectory => "a folder is there".to_string(),
-        io::ErrorKind::StorageFull => "no space left (free some, or write elsewhere)".to_string(),
+        ErrorKind::IsADirectory => "a folder is there".to_string(),
+        ErrorKind::StorageFull => "no space left (free some, or write elsewhere)".to_string(),
         _ => error.to_string(),
+    };
+    let message = format!("{name} cannot be written: {why}");
+    match error.kind() {
+        // What is wrong with the place, not with this file.
+        ErrorKind::NotFound
+        | ErrorKind::StorageFull
+        | ErrorKind::QuotaExceeded
+        | ErrorKind::ReadOnlyFilesystem => Failure::Place(message),
+        ErrorKind::PermissionDenied if error.get_ref().is_none() => Failure::Place(message),
+        _ => Failure::Io(message),
     }
 }

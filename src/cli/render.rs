@@ -80,9 +80,9 @@ fn run_here(mut job: RenderJob) -> ExitCode {
             report::failure(&source.name(), &failure);
             // After a panic the renderer's buffers are in an unknown state.
             renderer = None;
-            let closed = matches!(failure, Failure::ClosedPipe);
+            let nowhere = matches!(failure, Failure::ClosedPipe | Failure::Place(_));
             failures.push(failure);
-            if closed {
+            if nowhere {
                 break;
             }
             progress.tick(&source.name(), false);
@@ -266,7 +266,7 @@ impl<'o> Encoder<'o> {
                 Ok(Encoder::Png(Box::new(PngWriter::new(output, width, height, opaque, job.effort)?)))
             }
             Format::Rgba => Ok(Encoder::Rgba(output)),
-            Format::Apng | Format::Gif | Format::Y4m => unreachable!("the frames job writes these"),
+            _ => unreachable!("the frames job writes what holds many"),
         }
     }
 

@@ -18,8 +18,10 @@ const BAD_INPUT: u8 = 3;
 pub enum Failure {
     /// The input's fault, or that of what was asked of it.
     Input(String),
-    /// The place's fault: a disk, a permission.
+    /// Reading or writing failed.
     Io(String),
+    /// Nothing can be written there, a full disk or a folder without permission: not the next either.
+    Place(String),
     /// Nobody reads the output any more: nothing to say, nothing more to do.
     ClosedPipe,
 }
@@ -49,7 +51,9 @@ pub struct Voice {
 /// One line for a failure of the input called `name`.
 pub fn failure(name: &str, failure: &Failure) {
     match failure {
-        Failure::Input(message) | Failure::Io(message) => line(&format!("{name}: {message}")),
+        Failure::Input(message) | Failure::Io(message) | Failure::Place(message) => {
+            line(&format!("{name}: {message}"))
+        }
         Failure::ClosedPipe => {}
     }
 }
@@ -140,19 +144,24 @@ pub struct Progress {
     style: ProgressStyle,
     total: usize,
     done: usize,
+    /// Of those done: nothing was to do.
+    skipped: usize,
     started: Instant,
-    drawn: bool,
+    /// When the bar was last drawn, if it is there.
+    drawn: Option<Instant>,
 }
 
 impl Progress {
     /// Work shorter than this has no bar.
     const PATIENCE: Duration = Duration::from_secs(1);
+    /// Between two drawings of the bar: nobody reads faster.
+    const PAUSE: Duration = Duration::from_millis(100);
     const BAR: usize = 30;
     /// Characters of what is being done, so that the bar stays on one line.
     const WORDS: usize = 38;
 
     pub fn new(style: ProgressStyle, total: usize) -> Progress {
-        Progress { style, total, done: 0, started: Instant::now(), drawn: false }
+        Progress { style, total, done: 0, skipped: 0, started: Instant::now(), drawn: None }
     }
 
     /// Says what begins, where the work on one input is known to be long.
@@ -160,6 +169,12 @@ impl Progress {
         if self.style == ProgressStyle::Bar {
             self.draw(what);
         }
+    }
+
+    /// One more input is done, without any work.
+    pub fn skip(&mut self, name: &str) {
+        self.skipped += 1;
+        self.tick(name, true);
     }
 
     /// One more input is done.
@@ -178,34 +193,63 @@ impl Progress {
                 let _ =
                     writeln!(io::stderr(), "openjd_progress: {share:.1}\nopenjd_status: {done} of {total}");
             }
-            ProgressStyle::Bar if total > 1 && (self.drawn || self.started.elapsed() > Self::PATIENCE) => {
-                self.draw("");
-            }
+            ProgressStyle::Bar if total > 1 && self.is_due() => self.draw(""),
             ProgressStyle::Bar => {}
         }
     }
 
+    fn is_due(&self) -> bool {
+        match self.drawn {
+            Some(last) => last.elapsed() >= Self::PAUSE,
+            None => self.started.elapsed() > Self::PATIENCE,
+        }
+    }
+
     fn draw(&mut self, what: &str) {
-        let (done, total) = (self.done, self.total);
-        let full = Self::BAR * done / total.max(1);
+        let full = Self::BAR * self.done / self.total.max(1);
         let bar: String = (0..Self::BAR).map(|i| if i < full { '#' } else { '.' }).collect();
-        let seconds = self.started.elapsed().as_secs_f64();
-        let pace = match done > 0 {
-            true => {
-                let left = seconds * (total - done) as f64 / done as f64;
-                format!(", {:.1}/s, {left:.0} s left", done as f64 / seconds)
-            }
-            false => String::new(),
-        };
+        let pace = self.pace(self.started.elapsed().as_secs_f64());
         let what: String = what.chars().filter(|c| !c.is_control()).take(Self::WORDS).collect();
-        let _ = write!(io::stderr(), "\r[{bar}] {done}/{total}{pace} {what}\x1b[K");
-        self.drawn = true;
+        let _ = write!(io::stderr(), "\r[{bar}] {}/{}{pace} {what}\x1b[K", self.done, self.total);
+        self.drawn = Some(Instant::now());
+    }
+
+    /// The rate and the time left, by the work done in so many seconds.
+    fn pace(&self, seconds: f64) -> String {
+        let worked = (self.done - self.skipped) as f64;
+        if worked == 0.0 {
+            return String::new();
+        }
+        let left = (seconds * (self.total - self.done) as f64 / worked).round() as u64;
+        let (hours, minutes, left) = (left / 3600, left / 60 % 60, left % 60);
+        let left = match (hours, minutes) {
+            (0, 0) => format!("{left} s"),
+            (0, _) => format!("{minutes}:{left:02} min"),
+            _ => format!("{hours}:{minutes:02} h"),
+        };
+        format!(", {:.1}/s, {left} left", worked / seconds)
     }
 
     /// Takes the bar away, before a line or at the end.
     pub fn clear(&mut self) {
-        if std::mem::take(&mut self.drawn) {
+        if self.drawn.take().is_some() {
             let _ = write!(io::stderr(), "\r\x1b[K");
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_time_left_counts_only_what_took_time() {
+        let with =
+            |total, done, skipped| Progress { done, skipped, ..Progress::new(ProgressStyle::None, total) };
+        assert_eq!(with(100, 10, 0).pace(5.0), ", 2.0/s, 45 s left");
+        assert_eq!(with(1000, 910, 900).pace(5.0), ", 2.0/s, 45 s left");
+        assert_eq!(with(1000, 100, 0).pace(10.0), ", 10.0/s, 1:30 min left");
+        assert_eq!(with(100_000, 1, 0).pace(0.5), ", 2.0/s, 13:53 h left");
+        assert_eq!(with(100, 40, 40).pace(5.0), "");
     }
 }

@@ -187,6 +187,9 @@ fn place(
         Wanted::Beside(path) | Wanted::Named(path) if path.as_os_str() != "-" => path,
         _ => {
             return match format.or((sheet || single).then_some(Format::Png)) {
+                Some(format) if format.is_by_ffmpeg() => {
+                    Err(format!("{} is a file (name one; y4m is for pipes)", format.extension()))
+                }
                 Some(format) if format != Format::Png || sheet || single => {
                     Ok((Destination::One(Target::Stdout), format))
                 }

@@ -16,6 +16,12 @@ pub enum Format {
     Gif,
     /// Frames in one stream, for video encoders.
     Y4m,
+    /// Video, by ffmpeg: H.264.
+    Mp4,
+    /// Video, by ffmpeg: VP9.
+    Webm,
+    /// Frames in one WebP file, without loss, by ffmpeg.
+    Webp,
 }
 
 impl Format {
@@ -27,12 +33,25 @@ impl Format {
             Format::Apng => "apng",
             Format::Gif => "gif",
             Format::Y4m => "y4m",
+            Format::Mp4 => "mp4",
+            Format::Webm => "webm",
+            Format::Webp => "webp",
         }
     }
 
     /// Whether it is for many frames in one file.
     pub fn holds_many(self) -> bool {
-        matches!(self, Format::Apng | Format::Gif | Format::Y4m)
+        !matches!(self, Format::Png | Format::Rgba)
+    }
+
+    /// Whether all of its pixels are opaque.
+    pub fn lacks_alpha(self) -> bool {
+        matches!(self, Format::Y4m | Format::Mp4)
+    }
+
+    /// Whether the program ffmpeg makes it.
+    pub fn is_by_ffmpeg(self) -> bool {
+        matches!(self, Format::Mp4 | Format::Webm | Format::Webp)
     }
 }
 
@@ -65,7 +84,10 @@ pub fn format(text: &str) -> Result<Format, String> {
         "apng" => Ok(Format::Apng),
         "gif" => Ok(Format::Gif),
         "y4m" => Ok(Format::Y4m),
-        _ => Err("unknown format; use png, rgba, apng, gif or y4m".to_string()),
+        "mp4" => Ok(Format::Mp4),
+        "webm" => Ok(Format::Webm),
+        "webp" => Ok(Format::Webp),
+        _ => Err("unknown format; use png, rgba, apng, gif, y4m, mp4, webm or webp".to_string()),
     }
 }
 
@@ -90,14 +112,28 @@ pub fn columns(text: &str) -> Result<u32, String> {
     columns.ok_or_else(|| "must be a number of columns, such as 8x".to_string())
 }
 
-pub fn yuv(text: &str) -> Result<Yuv, String> {
-    let mut yuv = Yuv { halved: false, bt709: false };
+/// `--yuv`: what of it was said.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct YuvChoice {
+    halved: Option<bool>,
+    bt709: Option<bool>,
+}
+
+impl YuvChoice {
+    /// With the rest as the format has it.
+    pub fn or(self, usual: Yuv) -> Yuv {
+        Yuv { halved: self.halved.unwrap_or(usual.halved), bt709: self.bt709.unwrap_or(usual.bt709) }
+    }
+}
+
+pub fn yuv(text: &str) -> Result<YuvChoice, String> {
+    let mut yuv = YuvChoice::default();
     for part in text.split(',').map(str::trim) {
         match part {
-            "444" => yuv.halved = false,
-            "420" => yuv.halved = true,
-            "601" => yuv.bt709 = false,
-            "709" => yuv.bt709 = true,
+            "444" => yuv.halved = Some(false),
+            "420" => yuv.halved = Some(true),
+            "601" => yuv.bt709 = Some(false),
+            "709" => yuv.bt709 = Some(true),
             _ => return Err("must be 444 or 420, 601 or 709, or one of each by a comma".to_string()),
         }
     }

@@ -1,13 +1,15 @@
 //! Takes the text of one time (`1.5s`, `02:30.5`, `logo.end-250ms`), makes seconds or a condition.
 //! After SMIL 3.0, 5.4.1 (begin and end values) and 5.4.2 (clock values).
 
+use super::intervals::Moment;
+
 /// A condition in `begin` or `end`.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum When {
     /// Seconds from the start of the document.
     At(f64),
-    /// Seconds from the beginning or the end of another animation's intervals.
-    Sync { id: String, end: bool, offset: f64 },
+    /// Seconds from a moment of another animation's intervals.
+    Sync { id: String, moment: Moment, offset: f64 },
     /// Never by itself: `indefinite`.
     Never,
     /// Something that happens to the viewer: a click, a key, the time of the day.
@@ -26,16 +28,29 @@ fn when(text: &str) -> When {
     if let Some(seconds) = offset(text) {
         return When::At(seconds);
     }
-    for (mark, end) in [(".begin", false), (".end", true)] {
+    // The last mark: an id may hold others.
+    for (mark, moment) in [(".begin", Moment::Begin), (".end", Moment::End), (".repeat", Moment::Repeat(0))] {
         let Some(at) = text.rfind(mark) else { continue };
-        let after = text[at + mark.len()..].trim();
+        let Some((moment, after)) = moment_after(moment, text[at + mark.len()..].trim()) else { continue };
         let offset = if after.is_empty() { Some(0.0) } else { signed(after) };
         if let Some(offset) = offset {
             // A backslash keeps a dot or minus inside an id.
-            return When::Sync { id: text[..at].replace('\\', ""), end, offset };
+            return When::Sync { id: text[..at].replace('\\', ""), moment, offset };
         }
     }
     When::Event
+}
+
+/// What follows a mark: the events of beginning and end are as good as these; a repetition has its number.
+fn moment_after(moment: Moment, text: &str) -> Option<(Moment, &str)> {
+    match moment {
+        Moment::Repeat(_) => {
+            let (number, after) = text.strip_prefix('(')?.split_once(')')?;
+            let number = number.trim().parse().ok().filter(|&n: &u32| n > 0)?;
+            Some((Moment::Repeat(number), after.trim()))
+        }
+        _ => Some((moment, text.strip_prefix("Event").unwrap_or(text).trim())),
+    }
 }
 
 /// An offset with or without its sign.
@@ -104,17 +119,20 @@ mod tests {
 
     #[test]
     fn begin_lists_hold_offsets_syncs_and_events() {
-        let sync = |id: &str, end, offset| When::Sync { id: id.to_string(), end, offset };
+        let sync = |id: &str, moment, offset| When::Sync { id: id.to_string(), moment, offset };
         assert_eq!(
-            list("0; -1.5s ;a.end;b.begin + 0.2s; c.d.end-100ms;indefinite;e.click;accessKey(a)"),
+            list("0; -1.5s ;a.end;b.begin + 0.2s; c.d.end-100ms;indefinite;e.click;accessKey(a);f.endEvent+1s;g.repeat(2);h.repeat(0)"),
             [
                 When::At(0.0),
                 When::At(-1.5),
-                sync("a", true, 0.0),
-                sync("b", false, 0.2),
-                sync("c.d", true, -0.1),
+                sync("a", Moment::End, 0.0),
+                sync("b", Moment::Begin, 0.2),
+                sync("c.d", Moment::End, -0.1),
                 When::Never,
                 When::Event,
+                When::Event,
+                sync("f", Moment::End, 1.0),
+                sync("g", Moment::Repeat(2), 0.0),
                 When::Event
             ]
         );

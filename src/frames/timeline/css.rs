@@ -4,6 +4,8 @@
 use super::cascade::{is_property, style_texts, Cascade};
 use super::document::{element, Element, Name, Values};
 use super::easing::Easing;
+use super::individual::{self, Individual};
+use super::run::{runs, shorthand, Direction, Run};
 use super::transforms::{self, Frame};
 use super::value::Value;
 use super::Unevaluated;
@@ -15,6 +17,9 @@ use usvg::roxmltree::{Document, Node};
 #[derive(Debug, Default)]
 pub(super) struct Css {
     tracks: Vec<Track>,
+    /// Transforms that style sheets give and nothing moves: the parser knows no units in them.
+    rest: Vec<Track>,
+    individual: Vec<Individual>,
 }
 
 /// One animation of one property of one element.
@@ -39,28 +44,6 @@ struct Stop {
     easing: Option<Easing>,
 }
 
-/// `animation-…` of one animation.
-#[derive(Clone, Debug)]
-struct Run {
-    name: String,
-    duration: f64,
-    easing: Easing,
-    delay: f64,
-    count: f64,
-    direction: Direction,
-    before: bool,
-    after: bool,
-    paused: bool,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Direction {
-    Normal,
-    Reverse,
-    Alternate,
-    AlternateReverse,
-}
-
 type Keyframes = HashMap<String, Vec<(f64, Vec<(String, String)>)>>;
 
 impl Css {
@@ -73,19 +56,39 @@ impl Css {
         let mut keyframes = Keyframes::new();
         for text in injected.into_iter().chain(style_texts(xml)) {
             find_keyframes(text, &mut keyframes);
+            conditions(text, unevaluated);
         }
         let mut css = Css::default();
-        if keyframes.is_empty() {
-            return css;
-        }
         for node in xml.descendants().filter(Node::is_element) {
-            for run in runs(&cascade.declarations(node)) {
+            let declarations = cascade.declarations(node);
+            for run in runs(&declarations) {
                 if let Some(blocks) = keyframes.get(&run.name) {
                     css.add(node, run, blocks, cascade, unevaluated);
                 }
             }
+            let mut has_individual = false;
+            for (name, value) in &declarations {
+                match (*name, *value) {
+                    ("transform", value) => css.rest.push(Track::at_rest(node, value, cascade)),
+                    ("translate" | "rotate" | "scale", _) => has_individual = true,
+                    ("animation-composition", "add" | "accumulate") | ("animation-timeline", _) => {
+                        unevaluated.add(format!("{name}: {value}"));
+                    }
+                    _ => {}
+                }
+            }
+            let moves = |track: &Track| track.node == element(node) && track.is_individual();
+            if has_individual || css.tracks.iter().rev().any(moves) {
+                css.individual.push(Individual::of(node, cascade));
+            }
         }
         css
+    }
+
+    /// Forgets what does not move, where nothing else does either.
+    pub(super) fn forget_rest(&mut self) {
+        self.rest.clear();
+        self.individual.clear();
     }
 
     fn add<'a>(
@@ -103,7 +106,7 @@ impl Css {
         for name in names {
             let place = match name {
                 "animation-timing-function" => continue,
-                name if is_property(name) || name == "transform" => Name::Property(name.to_string()),
+                name if is_property(name) || is_transform(name) => Name::Property(name.to_string()),
                 "d" | "x" | "y" | "cx" | "cy" | "r" | "rx" | "ry" | "width" | "height" => {
                     Name::Attribute(name.to_string())
                 }
@@ -112,14 +115,18 @@ impl Css {
                     continue;
                 }
             };
-            let frame = if name == "transform" { Frame::of(node, cascade) } else { Frame::default() };
+            let frame = if is_transform(name) { Frame::of(node, cascade) } else { Frame::default() };
+            let base = match individual::NAMES.contains(&name) {
+                true => cascade.declared(node, name).unwrap_or_default().to_string(),
+                false => cascade.value(node, name),
+            };
             self.tracks.push(Track {
                 node: element(node),
                 name: place,
                 run: run.clone(),
                 stops: stops(name, blocks),
                 current: cascade.current_color(node),
-                base: cascade.value(node, name),
+                base,
                 frame,
             });
         }
@@ -130,28 +137,29 @@ impl Css {
         self.tracks.iter().map(|track| (track.node, track.name.clone()))
     }
 
+    /// What is set, whether it changes or not.
+    pub(super) fn all_places(&self) -> impl Iterator<Item = (Element, Name)> + '_ {
+        let whole = self.individual.iter().map(|i| (i.node, Name::Property("transform".to_string())));
+        self.tracks.iter().chain(&self.rest).map(|track| (track.node, track.name.clone())).chain(whole)
+    }
+
     /// The elements whose boxes transforms refer to, and what is to be told about them.
     pub(super) fn boxes(&mut self) -> impl Iterator<Item = (Element, &mut Frame)> {
-        self.tracks
-            .iter_mut()
-            .filter(|track| track.frame.needs_box())
-            .map(|track| (track.node, &mut track.frame))
+        let tracks = self.tracks.iter_mut().chain(&mut self.rest);
+        let tracks = tracks.map(|track| (track.node, &mut track.frame));
+        let individual = self.individual.iter_mut().map(|i| (i.node, &mut i.frame));
+        tracks.chain(individual).filter(|(_, frame)| frame.needs_box())
+    }
+
+    /// Puts what does not move where SMIL and keyframes may go over it.
+    pub(super) fn values_at_rest(&self, values: &mut Values) {
+        put(&self.rest, 0.0, values);
     }
 
     /// Puts the values at `time` over those of SMIL.
     pub(super) fn values(&self, time: f64, values: &mut Values) {
-        for track in &self.tracks {
-            let Some(share) = track.run.share(time) else { continue };
-            let below = values.get(&track.node).and_then(|of| of.get(&track.name)).unwrap_or(&track.base);
-            let text = track.value(share, below);
-            let own = values.entry(track.node).or_default();
-            own.insert(track.name.clone(), text);
-            if let Some(origin) =
-                track.frame.origin().filter(|_| track.name == Name::Property("transform".into()))
-            {
-                own.insert(Name::Property("transform-origin".into()), origin);
-            }
-        }
+        put(&self.tracks, time, values);
+        self.individual.iter().for_each(|individual| individual.compose(values));
     }
 
     /// For each animation: when its last change is, and its period if it has no end.
@@ -168,43 +176,46 @@ impl Css {
     }
 }
 
-impl Run {
-    /// Where in its keyframes it is, 0..=1; `None` where it has no effect.
-    fn share(&self, time: f64) -> Option<f64> {
-        let elapsed = if self.paused { 0.0 } else { time } - self.delay;
-        let active = if self.count == 0.0 { 0.0 } else { self.duration * self.count };
-        let (elapsed, over) = if elapsed < -1e-9 {
-            self.before.then_some((0.0, false))?
-        } else if elapsed >= active - 1e-9 {
-            self.after.then_some((active, true))?
-        } else {
-            (elapsed, false)
-        };
-        let rounds = if self.duration > 0.0 {
-            elapsed / self.duration
-        } else if over {
-            self.count
-        } else {
-            0.0
-        };
-        let rounds = if rounds.is_finite() { rounds } else { 1.0 };
-        let whole = if (rounds - rounds.round()).abs() < 1e-9 { rounds.round() } else { rounds.floor() };
-        let (iteration, share) = match over && whole > 0.0 && rounds - whole < 1e-9 {
-            true => (whole - 1.0, 1.0),
-            false => (whole, (rounds - whole).clamp(0.0, 1.0)),
-        };
-        let odd = iteration % 2.0 == 1.0;
-        let backwards = match self.direction {
-            Direction::Normal => false,
-            Direction::Reverse => true,
-            Direction::Alternate => odd,
-            Direction::AlternateReverse => !odd,
-        };
-        Some(if backwards { 1.0 - share } else { share })
+fn put(tracks: &[Track], time: f64, values: &mut Values) {
+    for track in tracks {
+        let Some(share) = track.run.share(time) else { continue };
+        let below = values.get(&track.node).and_then(|of| track.name.in_any_way(of)).unwrap_or(&track.base);
+        let text = track.value(share, below);
+        let own = values.entry(track.node).or_default();
+        own.insert(track.name.clone(), text);
+        if let Some(origin) =
+            track.frame.origin().filter(|_| track.name == Name::Property("transform".into()))
+        {
+            own.insert(Name::Property("transform-origin".into()), origin);
+        }
     }
 }
 
+/// Whether a property's lengths refer to a box.
+fn is_transform(name: &str) -> bool {
+    name == "transform" || individual::NAMES.contains(&name)
+}
+
 impl Track {
+    /// Whether it is `translate`, `rotate` or `scale`.
+    fn is_individual(&self) -> bool {
+        matches!(&self.name, Name::Property(name) if individual::NAMES.contains(&name.as_str()))
+    }
+
+    /// The transform of an element as it stands.
+    fn at_rest<'a>(node: Node<'a, 'a>, transform: &str, cascade: &Cascade<'a>) -> Track {
+        let stop = |at| Stop { at, value: Some(transform.to_string()), easing: None };
+        Track {
+            node: element(node),
+            name: Name::Property("transform".to_string()),
+            run: Run { before: true, after: true, paused: true, ..shorthand("") },
+            stops: vec![stop(0.0), stop(1.0)],
+            current: String::new(),
+            base: String::new(),
+            frame: Frame::of(node, cascade),
+        }
+    }
+
     fn value(&self, share: f64, below: &str) -> String {
         let last = self.stops.len() - 1;
         let from = self.stops.partition_point(|stop| stop.at <= share + 1e-9).clamp(1, last) - 1;
@@ -218,9 +229,13 @@ impl Track {
         if name == "transform" {
             return transforms::mix(from, to, way, &self.frame);
         }
+        if self.is_individual() {
+            let function = |value: &str| individual::as_function(name, value);
+            return transforms::mix(&function(from), &function(to), way, &self.frame);
+        }
         let parse = |text: &str| Value::parse(name, unwrap_path(name, text), Some(&self.current));
         let (a, b) = (parse(from), parse(to));
-        match a.mix(&b, way) {
+        match a.mix_as_css(&b, way) {
             Some(value) => value.text(),
             None if name == "visibility" && (from == "visible" || to == "visible") => {
                 // It is seen all the way between hidden and visible.
@@ -315,6 +330,28 @@ fn find_keyframes(css: &str, found: &mut Keyframes) {
     }
 }
 
+/// Names the conditions under which there would be animations: none of them is taken as given, as in the
+/// parser. Whoever asks for less motion is not meant.
+fn conditions(css: &str, unevaluated: &mut Unevaluated) {
+    let css = &without_comments(css);
+    for (at, _) in css.match_indices("@media").chain(css.match_indices("@supports")) {
+        let Some((condition, inside)) = css[at..].split_once('{') else { return };
+        let mut depth = 1_usize;
+        let end = inside.find(|c| {
+            depth = match c {
+                '{' => depth + 1,
+                '}' => depth - 1,
+                _ => depth,
+            };
+            depth == 0
+        });
+        let inside = &inside[..end.unwrap_or(inside.len())];
+        if inside.contains("animation") && !condition.replace(' ', "").contains("reduced-motion:reduce") {
+            unevaluated.add(format!("animations under {}", condition.trim()));
+        }
+    }
+}
+
 fn without_comments(css: &str) -> String {
     let mut out = String::with_capacity(css.len());
     let mut rest = css;
@@ -323,133 +360,4 @@ fn without_comments(css: &str) -> String {
         rest = comment.split_once("*/").map_or("", |(_, after)| after);
     }
     out + rest
-}
-
-/// The animations that an element's declarations ask for.
-fn runs(declarations: &[(&str, &str)]) -> Vec<Run> {
-    let mut runs: Vec<Run> = Vec::new();
-    let mut longhands: Vec<(&str, Vec<&str>)> = Vec::new();
-    for (name, value) in declarations {
-        let name = name.trim_start_matches("-webkit-");
-        if name == "animation" {
-            runs = split(value, ',').into_iter().map(shorthand).collect();
-            longhands.clear();
-        } else if let Some(part) = name.strip_prefix("animation-") {
-            longhands.push((part, split(value, ',')));
-        }
-    }
-    if let Some((_, names)) = longhands.iter().rfind(|(part, _)| *part == "name") {
-        runs.resize(names.len(), shorthand(""));
-        names
-            .iter()
-            .zip(&mut runs)
-            .for_each(|(name, run)| run.name = name.trim_matches(['"', '\'']).to_string());
-    }
-    for (part, values) in &longhands {
-        for (run, value) in runs.iter_mut().zip(values.iter().cycle()) {
-            run.set(part, value);
-        }
-    }
-    // A negative delay is fine, a negative duration is not.
-    runs.retain(|run| run.name != "none" && !run.name.is_empty() && run.duration >= 0.0);
-    runs
-}
-
-impl Run {
-    fn set(&mut self, part: &str, value: &str) {
-        match part {
-            "duration" => self.duration = seconds(value).unwrap_or(0.0),
-            "delay" => self.delay = seconds(value).unwrap_or(0.0),
-            "timing-function" => self.easing = Easing::from_css(value).unwrap_or(Easing::EASE),
-            "iteration-count" => self.count = count(value).unwrap_or(1.0),
-            "direction" => self.direction = direction(value).unwrap_or(Direction::Normal),
-            "fill-mode" => {
-                self.before = matches!(value, "backwards" | "both");
-                self.after = matches!(value, "forwards" | "both");
-            }
-            "play-state" => self.paused = value == "paused",
-            _ => {}
-        }
-    }
-}
-
-/// One animation of the `animation` property: its words are known by what they look like.
-fn shorthand(text: &str) -> Run {
-    let mut run = Run {
-        name: String::new(),
-        duration: 0.0,
-        easing: Easing::EASE,
-        delay: 0.0,
-        count: 1.0,
-        direction: Direction::Normal,
-        before: false,
-        after: false,
-        paused: false,
-    };
-    let mut times = 0;
-    for word in split(text, ' ') {
-        if let Some(time) = seconds(word) {
-            *[&mut run.duration, &mut run.delay][times.min(1)] = time;
-            times += 1;
-        } else if let Some(easing) = Easing::from_css(word) {
-            run.easing = easing;
-        } else if let Some(count) = count(word) {
-            run.count = count;
-        } else if let Some(direction) = direction(word) {
-            run.direction = direction;
-        } else {
-            match word {
-                "forwards" | "backwards" | "both" => run.set("fill-mode", word),
-                "paused" | "running" => run.set("play-state", word),
-                "none" if !run.name.is_empty() => {}
-                name => run.name = name.trim_matches(['"', '\'']).to_string(),
-            }
-        }
-    }
-    run
-}
-
-/// Parts between separators that stand outside of parentheses; a space is any white space.
-fn split(text: &str, separator: char) -> Vec<&str> {
-    let mut parts = Vec::new();
-    let (mut depth, mut from) = (0_usize, 0);
-    for (at, c) in text.char_indices() {
-        match c {
-            '(' => depth += 1,
-            ')' => depth = depth.saturating_sub(1),
-            c if depth == 0 && (c == separator || (separator == ' ' && c.is_whitespace())) => {
-                parts.push(text[from..at].trim());
-                from = at + c.len_utf8();
-            }
-            _ => {}
-        }
-    }
-    parts.push(text[from..].trim());
-    parts.retain(|part| !part.is_empty());
-    parts
-}
-
-fn seconds(text: &str) -> Option<f64> {
-    let (number, unit) = match text.strip_suffix("ms") {
-        Some(number) => (number, 1e-3),
-        None => (text.strip_suffix('s')?, 1.0),
-    };
-    number.parse::<f64>().ok().filter(|n| n.is_finite()).map(|n| n * unit)
-}
-
-fn count(text: &str) -> Option<f64> {
-    match text {
-        "infinite" => Some(f64::INFINITY),
-        _ => text.parse().ok().filter(|&n: &f64| n >= 0.0 && n.is_finite()),
-    }
-}
-
-fn direction(text: &str) -> Option<Direction> {
-    Some(match text {
-        "normal" => Direction::Normal,
-        "reverse" => Direction::Reverse,
-        "alternate" => Direction::Alternate,
-        "alternate-reverse" => Direction::AlternateReverse,
-        _ => return None,
-    })
 }

@@ -33,6 +33,15 @@ pub(super) enum Name {
     Property(String),
 }
 
+impl Name {
+    /// Its value among `values`, whether it is set as a property or as an attribute.
+    pub(super) fn in_any_way<'v>(&self, values: &'v BTreeMap<Name, String>) -> Option<&'v String> {
+        let (Name::Attribute(name) | Name::Property(name)) = self;
+        let property = values.get(&Name::Property(name.clone()));
+        property.or_else(|| values.get(&Name::Attribute(name.clone())))
+    }
+}
+
 /// A drawing with holes.
 #[derive(Debug)]
 pub(super) struct Template {

@@ -1,5 +1,5 @@
 //! Takes a share of a time, 0..=1, makes the share of the way: cubic Bézier curves (SMIL's
-//! `keySplines`, CSS's `cubic-bezier()`) and steps. After CSS Easing Functions 1.
+//! `keySplines`, CSS's `cubic-bezier()`), steps and CSS's `linear()`. After CSS Easing Functions 2.
 
 /// A curve from (0, 0) to (1, 1), or steps.
 #[derive(Clone, Debug, PartialEq)]
@@ -11,6 +11,8 @@ pub(super) enum Easing {
         count: u32,
         jump: Jump,
     },
+    /// Straight from point to point: shares of the time, which only grow, and of the way.
+    Points(Vec<(f64, f64)>),
 }
 
 /// Where steps jump.
@@ -52,6 +54,7 @@ impl Easing {
                         Easing::bezier(points.try_into().ok()?)
                     }
                     "steps" => steps(&arguments),
+                    "linear" => points(&arguments),
                     _ => None,
                 };
             }
@@ -63,6 +66,15 @@ impl Easing {
         match self {
             Easing::Linear => x,
             Easing::Bezier(points) => bezier_at(*points, x),
+            Easing::Points(points) => {
+                let after = points.partition_point(|&(time, _)| time <= x).clamp(1, points.len() - 1);
+                let ((x0, y0), (x1, y1)) = (points[after - 1], points[after]);
+                if x1 > x0 {
+                    y0 + (y1 - y0) * (x - x0) / (x1 - x0)
+                } else {
+                    y1
+                }
+            }
             &Easing::Steps { count, jump } => {
                 let n = f64::from(count);
                 let done = (x * n + 1e-9).floor().clamp(0.0, n);
@@ -87,6 +99,38 @@ fn steps(arguments: &[&str]) -> Option<Easing> {
         _ => return None,
     };
     Some(Easing::Steps { count, jump })
+}
+
+/// `linear(0, .6 20% 40%, 1)`: a share of the way each, with none, one or two shares of the time.
+fn points(arguments: &[&str]) -> Option<Easing> {
+    let mut points: Vec<(Option<f64>, f64)> = Vec::new();
+    for argument in arguments {
+        let (times, way): (Vec<&str>, Vec<&str>) =
+            argument.split_whitespace().partition(|word| word.ends_with('%'));
+        let [way] = way[..] else { return None };
+        let way = way.parse().ok().filter(|w: &f64| w.is_finite())?;
+        let number = |word: &&str| word.trim_end_matches('%').parse::<f64>().ok();
+        let time = |word: &&str| number(word).filter(|p| p.is_finite()).map(|p| p / 100.0);
+        match &times[..] {
+            [] => points.push((None, way)),
+            [_] | [_, _] => points.extend(times.iter().map(|word| (time(word), way))),
+            _ => return None,
+        }
+    }
+    let last = points.len().checked_sub(1).filter(|&last| last > 0)?;
+    points[0].0.get_or_insert(0.0);
+    points[last].0.get_or_insert(1.0);
+    // What is missing is shared out evenly; time never runs back.
+    let mut placed: Vec<(f64, f64)> = Vec::new();
+    for (at, &(time, way)) in points.iter().enumerate() {
+        let before = placed.last().map_or(f64::NEG_INFINITY, |&(time, _)| time);
+        let time = time.unwrap_or_else(|| {
+            let known = (at..).find(|&next| points[next].0.is_some()).unwrap_or(last);
+            before + (points[known].0.unwrap_or(1.0).max(before) - before) / (known + 1 - at) as f64
+        });
+        placed.push((time.max(before), way));
+    }
+    Some(Easing::Points(placed))
 }
 
 /// y where the curve's x is `x`: x grows along the curve, so bisection finds the place.
@@ -127,6 +171,17 @@ mod tests {
         assert!((css("cubic-bezier(0, 0, 1, 1)", 0.3) - 0.3).abs() < 1e-9);
         assert_eq!(css("ease", 1.0), 1.0);
         assert_eq!(Easing::from_css("cubic-bezier(2, 0, 1, 1)"), None);
+    }
+
+    #[test]
+    fn points_are_joined_by_straight_lines() {
+        assert!((css("linear(0, 1)", 0.3) - 0.3).abs() < 1e-9);
+        assert!((css("linear(0, .5 20% 40%, 1)", 0.1) - 0.25).abs() < 1e-9);
+        assert_eq!(css("linear(0, .5 20% 40%, 1)", 0.3), 0.5);
+        assert!((css("linear(0, .8, .2, 1)", 0.5) - 0.5).abs() < 1e-9);
+        assert!((css("linear(0, 2 50%, 1 20%)", 0.75) - 1.0).abs() < 1e-9);
+        assert_eq!(Easing::from_css("linear(1)"), None);
+        assert_eq!(css("linear(0, 1 nan%, 0 inf%, 1)", 1.0), 1.0);
     }
 
     #[test]

@@ -39,8 +39,17 @@ pub(super) struct Timed {
 pub(super) struct Sync {
     /// Number of the other animation.
     pub other: usize,
-    pub end: bool,
+    pub moment: Moment,
     pub offset: f64,
+}
+
+/// A moment of each interval of an animation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Moment {
+    Begin,
+    End,
+    /// When this repetition begins, if it does: the first after the beginning is number 1.
+    Repeat(u32),
 }
 
 /// What a begin time within an interval does.
@@ -82,8 +91,8 @@ impl Schedule {
         let mut work = 0;
         while let Some(i) = queue.pop_front() {
             waits[i] = false;
-            let begins = times(&all[i].begins, &all[i].begin_syncs, &intervals, horizon);
-            let ends = times(&all[i].ends, &all[i].end_syncs, &intervals, f64::INFINITY);
+            let begins = times(&all[i].begins, &all[i].begin_syncs, all, &intervals, horizon);
+            let ends = times(&all[i].ends, &all[i].end_syncs, all, &intervals, f64::INFINITY);
             let found = all[i].intervals(&begins, &ends);
             work += 1 + begins.len() + ends.len();
             if work > MOST_WORK {
@@ -110,10 +119,20 @@ impl Schedule {
 }
 
 /// All times of a list, sorted, without repetition.
-fn times(fixed: &[f64], syncs: &[Sync], intervals: &[Vec<Interval>], horizon: f64) -> Vec<f64> {
+fn times(
+    fixed: &[f64],
+    syncs: &[Sync],
+    all: &[Timed],
+    intervals: &[Vec<Interval>],
+    horizon: f64,
+) -> Vec<f64> {
     let mut times = fixed.to_vec();
     for sync in syncs {
-        let base = intervals[sync.other].iter().map(|i| if sync.end { i.end } else { i.begin });
+        let base = intervals[sync.other].iter().filter_map(|interval| match sync.moment {
+            Moment::Begin => Some(interval.begin),
+            Moment::End => Some(interval.end),
+            Moment::Repeat(number) => all[sync.other].repetition(number, interval),
+        });
         times.extend(base.map(|time| time + sync.offset).filter(|time| time.is_finite()));
     }
     times.retain(|&time| time <= horizon);
@@ -156,15 +175,27 @@ impl Timed {
         found
     }
 
-    /// How long it is active if nothing begins it again, `until_end` being the time to its end.
-    fn active_duration(&self, until_end: f64) -> f64 {
+    /// When a repetition begins within an interval.
+    fn repetition(&self, number: u32, interval: &Interval) -> Option<f64> {
+        let time = interval.begin + f64::from(number) * self.simple?;
+        let last = interval.end.min(interval.begin + self.repeated());
+        (time < last - SAME).then_some(time)
+    }
+
+    /// How long its repetitions take: past that it holds still or is gone, even if it is still active.
+    pub(super) fn repeated(&self) -> f64 {
         let simple = self.simple.unwrap_or(f64::INFINITY);
-        let natural = match (self.repeat_count, self.repeat_duration) {
+        match (self.repeat_count, self.repeat_duration) {
             (None, None) => simple,
             (count, duration) => {
                 count.map_or(f64::INFINITY, |count| count * simple).min(duration.unwrap_or(f64::INFINITY))
             }
-        };
+        }
+    }
+
+    /// How long it is active if nothing begins it again, `until_end` being the time to its end.
+    fn active_duration(&self, until_end: f64) -> f64 {
+        let natural = self.repeated();
         let (min, max) = (self.min.unwrap_or(0.0), self.max.unwrap_or(f64::INFINITY));
         let asked = natural.min(until_end.max(0.0));
         if min > max {
@@ -191,7 +222,7 @@ mod tests {
 
     #[test]
     fn two_animations_that_begin_each_other_alternate() {
-        let sync = |other| vec![Sync { other, end: true, offset: 0.0 }];
+        let sync = |other| vec![Sync { other, moment: Moment::End, offset: 0.0 }];
         let a = Timed { begin_syncs: sync(1), ..once(0.0, 0.4) };
         let b = Timed { begins: vec![], begin_syncs: sync(0), ..once(0.0, 0.6) };
         assert_eq!(
@@ -224,6 +255,19 @@ mod tests {
     }
 
     #[test]
+    fn a_repetition_begins_others_unless_it_never_comes() {
+        let after = |number| {
+            let sync = Sync { other: 0, moment: Moment::Repeat(number), offset: 0.5 };
+            let one = Timed { repeat_count: Some(2.5), ..once(1.0, 2.0) };
+            found(&[one, Timed { begins: vec![], begin_syncs: vec![sync], ..once(0.0, 1.0) }], 20.0)[1]
+                .clone()
+        };
+        assert_eq!(after(1), [(3.5, 4.5)]);
+        assert_eq!(after(2), [(5.5, 6.5)]);
+        assert_eq!(after(3), []);
+    }
+
+    #[test]
     fn what_ended_before_the_document_began_never_was() {
         assert_eq!(found(&[once(-5.0, 2.0)], 9.0), [[].to_vec()]);
         assert_eq!(found(&[once(-1.0, 2.0)], 9.0), [[(-1.0, 1.0)].to_vec()]);
@@ -231,7 +275,7 @@ mod tests {
 
     #[test]
     fn a_chain_of_restarts_without_end_is_cut_short() {
-        let itself = Sync { other: 0, end: false, offset: 1e-7 };
+        let itself = Sync { other: 0, moment: Moment::Begin, offset: 1e-7 };
         let timed = Timed { begin_syncs: vec![itself], ..once(0.0, 1.0) };
         assert!(Schedule::new(&[timed], 1e9).cut);
     }

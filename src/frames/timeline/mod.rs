@@ -11,6 +11,8 @@
 //! | `function` | `values`, `from`, `to`, `by`, `keyTimes` … → the value at a share of the duration |
 //! | `motion` | `animateMotion` → a transform |
 //! | `transforms` | two CSS transform lists → the matrix between them |
+//! | `run` | `animation-…` of an element → where in its keyframes it is |
+//! | `individual` | `translate`, `rotate`, `scale` of an element → part of its transform |
 //! | `cascade` | style sheets → the value a property has before it moves |
 //! | `smil`, `css` | all that moves → values at a time |
 //! | `document` | the drawing and values → the document |
@@ -21,8 +23,10 @@ mod css;
 mod document;
 mod easing;
 mod function;
+mod individual;
 mod intervals;
 mod motion;
+mod run;
 mod smil;
 mod transforms;
 mod value;
@@ -113,8 +117,11 @@ impl Timeline {
         }
         let smil = Smil::read(&xml, &cascade, &mut unevaluated);
         let mut css = Css::read(&xml, &cascade, injected, &mut unevaluated);
+        if smil.places().next().is_none() && css.places().next().is_none() {
+            css.forget_rest();
+        }
         measure_boxes(&mut css, &xml, options);
-        let animated: BTreeSet<(Element, Name)> = smil.places().cloned().chain(css.places()).collect();
+        let animated: BTreeSet<(Element, Name)> = smil.places().cloned().chain(css.all_places()).collect();
         let schedule = Schedule::new(&smil.timed, SEARCHED);
         if schedule.cut {
             unevaluated.add("animations that begin each other without end".to_string());
@@ -127,9 +134,14 @@ impl Timeline {
     /// The document that is seen `seconds` after the start, as SVG text.
     pub fn document_at(&self, seconds: f64) -> String {
         let mut values = Values::new();
-        self.smil.values(&self.schedule(seconds), seconds, &mut values);
-        self.css.values(seconds, &mut values);
+        self.values_at(seconds, &mut values);
         self.template.filled(&values)
+    }
+
+    fn values_at(&self, seconds: f64, values: &mut Values) {
+        self.css.values_at_rest(values);
+        self.smil.values(&self.schedule(seconds), seconds, values);
+        self.css.values(seconds, values);
     }
 
     /// How long it moves.

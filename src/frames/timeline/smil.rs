@@ -7,6 +7,7 @@ use super::document::{element, Element, Name, Values, ANIMATION_ELEMENTS};
 use super::function::{Function, Progress};
 use super::intervals::{Interval, Restart, Schedule, Sync, Timed, SAME};
 use super::motion::Motion;
+use super::transforms::{self, Frame};
 use super::value::{Short, Value};
 use super::Unevaluated;
 use std::collections::{BTreeMap, HashMap};
@@ -108,7 +109,10 @@ impl Smil {
         };
         let name = name.trim().rsplit(':').next().filter(|name| can_move(name)).ok_or("attributeName")?;
         let in_style = is_property(name) || (name == "transform" && cascade.declared(target, name).is_some());
-        let base = cascade.value(target, name);
+        let base = match in_style && name == "transform" {
+            true => transforms::still(&cascade.value(target, name), &Frame::of(target, cascade)),
+            false => cascade.value(target, name),
+        };
         let current = cascade.current_color(target);
         let parse = |text: &str| match text.trim() {
             "inherit" => target.parent_element().map_or(Value::Text(String::new()), |parent| {
@@ -162,11 +166,13 @@ impl Smil {
 
     /// How far an animation is, if it does anything at `time`.
     fn progress(&self, number: usize, interval: Interval, time: f64) -> Option<Progress> {
-        let over = time >= interval.end - SAME;
+        // It may be active for longer than it moves: `min` says so.
+        let end = interval.end.min(interval.begin + self.timed[number].repeated());
+        let over = time >= end - SAME;
         if over && !self.animations[number].freeze {
             return None;
         }
-        let elapsed = if over { interval.end } else { time } - interval.begin;
+        let elapsed = if over { end } else { time } - interval.begin;
         let Some(simple) = self.timed[number].simple else {
             return Some(Progress { share: 0.0, iteration: 0.0 });
         };
@@ -252,10 +258,10 @@ fn timed(node: Node, numbers: &HashMap<&str, usize>, unevaluated: &mut Unevaluat
             match when {
                 When::At(seconds) if is_end => timed.ends.push(seconds),
                 When::At(seconds) => timed.begins.push(seconds),
-                When::Sync { id, end, offset } => match numbers.get(id.as_str()) {
+                When::Sync { id, moment, offset } => match numbers.get(id.as_str()) {
                     Some(&other) => {
                         let syncs = if is_end { &mut timed.end_syncs } else { &mut timed.begin_syncs };
-                        syncs.push(Sync { other, end, offset });
+                        syncs.push(Sync { other, moment, offset });
                     }
                     None => unevaluated.add(format!("{name} after '{id}', which is no animation")),
                 },

@@ -228,6 +228,32 @@ fn a_drawing_at_rest_is_one_frame() {
 }
 
 #[test]
+fn what_is_not_evaluated_is_named_once_with_its_number() {
+    let named = |inside: &str| {
+        let svg =
+            format!("<svg xmlns='http://www.w3.org/2000/svg' width='9' height='9'><g>{inside}</g></svg>");
+        Timeline::read(svg.as_bytes(), &Options::default()).unwrap().not_evaluated().unwrap_or_default()
+    };
+    for (inside, words) in [
+        ("<set attributeName='x' to='1' begin='click'/>", "begin=\"click\""),
+        ("<set attributeName='x' to='1' begin='0s' end='accessKey(a)'/>", "end=\"accessKey(a)\""),
+        ("<set attributeName='x' to='1' begin='b.end'/>", "begin after 'b', which is no animation"),
+        ("<script/><script/>", "<script> (2 times)"),
+        (
+            "<style>@keyframes k { to { offset-distance: 100% } } g { animation: k 1s }</style>",
+            "the property offset-distance in @keyframes",
+        ),
+        ("<style>@media print { g { animation: k 1s } }</style>", "animations under @media print"),
+        ("<style>g { animation-composition: add }</style>", "animation-composition: add"),
+        ("<style>@media (prefers-reduced-motion: reduce) { * { animation: none } }</style>", ""),
+        ("<style>@media print { g { fill: red } } g { animation: k 1s }</style>", ""),
+        ("<set id='a' attributeName='x' to='1'/><set attributeName='y' to='1' begin='a.repeat(1)'/>", ""),
+    ] {
+        assert_eq!(named(inside), words, "{inside}");
+    }
+}
+
+#[test]
 fn entities_namespaces_and_text_survive_the_template() {
     let svg =
         "<!DOCTYPE svg [<!ENTITY c 'red'>]><s:svg xmlns:s='http://www.w3.org/2000/svg' xmlns:i='urn:i' \
@@ -256,6 +282,9 @@ fn hostile_animations_end_soon() {
         "<animateMotion path='M0 0L1e308 1e308L-1e308 0' dur='1s'/>",
         "<animate attributeName='x' dur='1e-300s' values=';;;' repeatCount='1e300'/>",
         "<animate attributeName='x' dur='0.000000001s' values='1;2' repeatCount='indefinite'/>",
+        "<style>@media } } { @supports { @media { animation } }</style><g/>",
+        "<style>@keyframes k { to { rotate: ; scale: 1e308 nan; translate: x\"y } } g { rotate: (; animation: k 1s linear(, 1 2 3) }</style>",
+        "<style>@keyframes k { to { rotate: 9turn } } g { animation: k 1s linear(0 nan%, 1e308 -5%, 1) infinite }</style>",
         "<style>@keyframes { a { x</style><g style='animation: \u{e9} 1s'/>",
         "<animate attributeName='' to='1'/><animate attributeName='&lt;' to='1' dur='1s'/>",
     ] {

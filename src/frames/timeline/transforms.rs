@@ -101,6 +101,11 @@ pub(super) fn mix(from: &str, to: &str, share: f64, frame: &Frame) -> String {
     format!("matrix({})", numbers.join(" "))
 }
 
+/// A transform as it stands in an attribute: without units.
+pub(super) fn still(transform: &str, frame: &Frame) -> String {
+    mix(transform, transform, 0.0, frame)
+}
+
 impl Function {
     fn identity(&self) -> Function {
         let neutral = match self.name {

@@ -55,14 +55,37 @@ impl Value {
             name if TEXTS.contains(&name) => None,
             name if is_color(name) => color(text, current),
             "d" => path(text),
+            "offset" => numbers(text).map(Value::without_percent),
+            name if name.ends_with("opacity") => numbers(text).map(Value::without_percent),
             _ => numbers(text),
         };
         value.unwrap_or_else(|| Value::Text(text.to_string()))
     }
 
+    /// Of a share: 50% is .5.
+    fn without_percent(self) -> Value {
+        let Value::Numbers(list) = self else { return self };
+        let plain = |(number, unit)| match unit {
+            LengthUnit::Percent => (number / 100.0, LengthUnit::None),
+            unit => (number, unit),
+        };
+        Value::Numbers(list.into_iter().map(plain).collect())
+    }
+
     /// Between `self` (at 0) and `other` (at 1); `None` if they do not mix.
     pub(super) fn mix(&self, other: &Value, share: f64) -> Option<Value> {
         self.combine(other, |a, b| a + (b - a) * share)
+    }
+
+    /// The same as CSS has it: what is transparent lends no colour.
+    pub(super) fn mix_as_css(&self, other: &Value, share: f64) -> Option<Value> {
+        let (Value::Color(a), Value::Color(b)) = (self, other) else { return self.mix(other, share) };
+        let alpha = a[3] + (b[3] - a[3]) * share;
+        let channel = |i: usize| match alpha > 0.0 {
+            true => (a[i] * a[3] * (1.0 - share) + b[i] * b[3] * share) / alpha,
+            false => 0.0,
+        };
+        Some(Value::Color([channel(0), channel(1), channel(2), alpha]))
     }
 
     /// `self` and `times` times `other`; `None` if they do not add up.
@@ -262,6 +285,7 @@ mod tests {
         assert_eq!(half("x", "0", "20%").as_deref(), Some("10%"));
         assert_eq!(half("x", "1in", "48px").as_deref(), Some("72px"));
         assert_eq!(half("x", "1em", "20%"), None);
+        assert_eq!(half("fill-opacity", "1", "30%").as_deref(), Some("0.65"));
         assert_eq!(half("points", "0,0 2,2", "2 4-2 0").as_deref(), Some("1 2 0 1"));
         assert_eq!(half("points", "0,0", "1"), None);
     }
