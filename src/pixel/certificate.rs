@@ -30,6 +30,17 @@ struct Line {
     winding: i32,
 }
 
+impl Line {
+    /// Does it begin at one height where the other ends, as most pieces of a border do? Then they meet
+    /// nowhere else.
+    fn goes_on_from(&self, other: &Line) -> bool {
+        let is_level = |[_, y0, _, y1]: [i32; 4]| y0 == y1;
+        self.winding == other.winding
+            && joint(self.ends, other.ends).is_some()
+            && !(is_level(self.ends) || is_level(other.ends))
+    }
+}
+
 impl Certifier {
     /// Does the winding number take no values but `low` and `low + 1`? A `false` may be wrong, a `true`
     /// is not.
@@ -64,6 +75,9 @@ impl Certifier {
             for (j, b) in self.lines[..i].iter().enumerate() {
                 let [bx0, by0, bx1, by1] = b.ends;
                 if by1 < ay0 || ay1 < by0 || bx0.max(bx1) < left || right < bx0.min(bx1) {
+                    continue;
+                }
+                if j == follows && a.goes_on_from(b) {
                     continue;
                 }
                 if a.ends == b.ends || interiors_meet(a.ends, b.ends) {
