@@ -3,7 +3,7 @@
 
 use super::paint::{Gradient, GradientShape, Paint, Spread, Stop};
 use super::raster::{Mask, Raster, RasterGroup, Source};
-use super::{Clip, ClipId, ClipMember, FillRule, Geometry, Group, GroupId, Outline, Scene, Shape, Warning};
+use super::{Clip, ClipId, ClipMember, FillRule, Geometry, Group, GroupId, Outline, Scene, Shape, StrokeStyle, Warning};
 use crate::effects::layer::{IntRect, Layer};
 use crate::Error;
 use kurbo::{Affine, Rect, Size};
@@ -257,9 +257,6 @@ impl Walk {
         if let Some(style) = path.stroke() {
             let paint = self.paint(style.paint(), style.opacity().get(), place.transform)?;
             stroke = paint.map(|paint| shape(stroke_outline(style), paint));
-            if stroke.is_some() && style.linejoin() == usvg::LineJoin::MiterClip {
-                self.warn("clipped miter joins", path.id());
-            }
         }
         match path.paint_order() {
             usvg::PaintOrder::FillAndStroke => self.shapes.extend(fill.into_iter().chain(stroke)),
@@ -438,10 +435,12 @@ fn stroke_outline(stroke: &usvg::Stroke) -> Outline {
         .with_join(join)
         .with_caps(cap)
         .with_miter_limit(stroke.miterlimit().get().into());
-    Outline::Stroke(Box::new(match stroke.dasharray() {
+    let line = match stroke.dasharray() {
         Some(dashes) => pen.with_dashes(stroke.dashoffset().into(), dashes.iter().map(|&d| f64::from(d))),
         None => pen,
-    }))
+    };
+    let clips_miters = stroke.linejoin() == usvg::LineJoin::MiterClip;
+    Outline::Stroke(Box::new(StrokeStyle { line, clips_miters }))
 }
 
 fn gradient(
