@@ -16,6 +16,9 @@ const DEEPEST_GROUP: usize = 256;
 /// Filters, masks and patterns within one another beyond this are refused: each holds a picture.
 const DEEPEST_RASTER: usize = 32;
 
+/// Filters, masks and patterns of a drawing, counted again wherever they are drawn.
+const MOST_RASTERS: usize = 1 << 16;
+
 /// Pixels of all images of a drawing: 2 GB.
 const MOST_IMAGE_PIXELS: u64 = 1 << 27;
 
@@ -76,6 +79,8 @@ struct Walk {
     images: HashMap<Arc<Vec<u8>>, Option<Arc<Layer>>>,
     /// Rasters around the walk.
     nesting: usize,
+    /// Contents of rasters so far.
+    contents: usize,
     /// The last group's id: usvg puts an image's own on a group around it.
     last_id: String,
 }
@@ -91,6 +96,7 @@ impl Default for Walk {
             warnings: Vec::new(),
             images: HashMap::new(),
             nesting: 0,
+            contents: 0,
             last_id: String::new(),
         }
     }
@@ -222,13 +228,21 @@ impl Walk {
                 self.name(group.id())
             )));
         }
-        let mut walk = Walk { nesting: self.nesting + 1, ..Walk::default() };
+        self.contents += 1;
+        if self.contents > MOST_RASTERS {
+            return Err(Error::Limit(format!(
+                "it repeats filters, masks and patterns too often: more than {MOST_RASTERS} of them at {} (flatten them)",
+                self.name(group.id())
+            )));
+        }
+        let mut walk = Walk { nesting: self.nesting + 1, contents: self.contents, ..Walk::default() };
         walk.warnings = std::mem::take(&mut self.warnings);
         walk.images = std::mem::take(&mut self.images);
         let place = Place { transform: Affine::IDENTITY, clip: None, group: 0, depth: 0 };
         let done = group.children().iter().try_for_each(|child| walk.node(child, place));
         self.warnings = std::mem::take(&mut walk.warnings);
         self.images = std::mem::take(&mut walk.images);
+        self.contents = walk.contents;
         done?;
         Ok(walk.into_scene())
     }

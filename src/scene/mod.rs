@@ -230,6 +230,15 @@ impl Scene {
         path
     }
 
+    /// How deep rasters lie within one another; 0 where there is none.
+    pub(crate) fn raster_depth(&self) -> usize {
+        let depth = |shape: &Shape| match &shape.paint {
+            Paint::Raster(raster) => 1 + raster.depth_within(),
+            _ => 0,
+        };
+        self.shapes.iter().map(depth).max().unwrap_or(0)
+    }
+
     /// Other shapes, with this scene's clips and groups.
     pub(crate) fn with_shapes(&self, shapes: Vec<Shape>) -> Scene {
         let (clips, groups) = (self.clips.clone(), self.groups.clone());
