@@ -34,7 +34,8 @@ pub struct Options {
 /// Something in the drawing which is not drawn as SVG says.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Warning {
-    /// What is left out, in the plural: `images` (that cannot be read), `texts without a font`.
+    /// What is left out, in the plural: `images` (that cannot be read), `texts without a
+    /// font`, `links by which elements draw themselves`.
     pub kind: &'static str,
     /// The first element that has it: its `id`, or where it stands when it has none.
     pub element: String,
