@@ -51,7 +51,8 @@ pub(crate) fn shaders<'a>(
         return Ok((Vec::new(), None));
     }
     let aliasing = Cell::new(settings.stage_times.then(Aliasing::default));
-    let mut artist = Artist { scene, viewport, settings, pixels: 0, work: work.cloned().unwrap_or_default(), aliasing };
+    let mut artist =
+        Artist { scene, viewport, settings, pixels: 0, work: work.cloned().unwrap_or_default(), aliasing };
     let mut shaders = Vec::with_capacity(scene.shapes.len());
     for shape in &scene.shapes {
         let shader = match &shape.paint {

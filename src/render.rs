@@ -141,7 +141,14 @@ impl Renderer {
                     .map_err(|e| Error::Setting(format!("{threads} threads cannot be started: {e}")))?,
             ),
         };
-        Ok(Renderer { settings, pool, idle: Mutex::default(), size: (0, 0), stages: Stages::default(), work: None })
+        Ok(Renderer {
+            settings,
+            pool,
+            idle: Mutex::default(),
+            size: (0, 0),
+            stages: Stages::default(),
+            work: None,
+        })
     }
 
     /// A renderer for a layer's content, whose own layers count as part of the same work.

@@ -19,7 +19,8 @@ pub(crate) fn drawn(image: &Layer, to_pixels: Affine, rect: IntRect, nearest: bo
     let [a, b, c, d, ..] = back.as_coeffs();
     // The box around a pixel's footprint, in the image's pixels.
     let (width, height) = (a.abs() + c.abs(), b.abs() + d.abs());
-    let table = (!nearest && width.max(height) > 1.0).then(|| SummedArea::of(image, block(image, width.min(height))));
+    let table =
+        (!nearest && width.max(height) > 1.0).then(|| SummedArea::of(image, block(image, width.min(height))));
     for (i, pixel) in layer.pixels_mut().iter_mut().enumerate() {
         let (column, row) = (i % rect.width(), i / rect.width());
         let x = f64::from(rect.x()) + column as f64 + 0.5;

@@ -29,8 +29,8 @@ mod side;
 mod spine;
 
 use crate::edges::Lines;
-use corner::{cap, Corner, InnerJoin};
 use crate::scene::StrokeStyle;
+use corner::{cap, Corner, InnerJoin};
 use kurbo::{Affine, BezPath, Cap, PathEl, Point, Vec2};
 use side::{Folds, Side};
 use spine::Spine;

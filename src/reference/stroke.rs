@@ -41,11 +41,7 @@ pub(super) fn outline(
 }
 
 /// The sub-paths, or their dashes.
-fn lines<'a>(
-    path: &BezPath,
-    style: &'a Style,
-    tolerance: f64,
-) -> impl Iterator<Item = Polyline> + 'a {
+fn lines<'a>(path: &BezPath, style: &'a Style, tolerance: f64) -> impl Iterator<Item = Polyline> + 'a {
     // Where a dash ends, its direction comes from the chords about it.
     let finer = if style.line.dash_pattern.is_empty() { 1.0 } else { 0.05 };
     Polyline::all(path, finer * tolerance).into_iter().flat_map(|line| {

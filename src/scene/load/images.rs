@@ -60,12 +60,7 @@ fn elements(group: &usvg::Group) -> u64 {
 }
 
 /// What a link leads to.
-fn linked(
-    link: &str,
-    options: &usvg::Options,
-    outer: &Options,
-    opened: &Mutex<Opened>,
-) -> Option<ImageKind> {
+fn linked(link: &str, options: &usvg::Options, outer: &Options, opened: &Mutex<Opened>) -> Option<ImageKind> {
     let path = options.get_abs_path(std::path::Path::new(link));
     let mut opened = opened.lock().ok()?;
     if let Some(known) = opened.files.get(&path) {
@@ -130,4 +125,56 @@ fn drawing(data: &[u8], options: &usvg::Options, outer: &Options) -> Option<usvg
 fn placeholder() -> ImageKind {
     const HEADER: &[u8] = b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\0\x01\0\0\0\x01\x08\x06\0\0\0\x1f\x15\xc4\x89";
     ImageKind::PNG(Arc::new(HEADER.to_vec()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn made(name: &str, bytes: &[u8]) -> PathBuf {
+        let path = std::env::temp_dir().join(format!("toon-raster-image-{}-{name}", std::process::id()));
+        std::fs::write(&path, bytes).expect("a temporary file");
+        path
+    }
+
+    #[test]
+    fn a_linked_image_is_read_once_however_often_it_is_used() {
+        let path = made("once.png", b"\x89PNG\r\n\x1a\n and more");
+        let link = path.to_str().expect("a name in UTF-8").to_owned();
+        let (outer, options) = (Options::default(), usvg::Options::default());
+        let resolver = resolver(&outer);
+        let bytes = || match (resolver.resolve_string)(&link, &options) {
+            Some(ImageKind::PNG(bytes)) => bytes,
+            other => panic!("{other:?}"),
+        };
+        let first = bytes();
+        std::fs::remove_file(&path).expect("it is there");
+        assert!(Arc::ptr_eq(&first, &bytes()));
+        assert_eq!(*first, b"\x89PNG\r\n\x1a\n and more");
+    }
+
+    #[test]
+    fn files_are_opened_up_to_a_bound_for_all() {
+        let path = made("bound.png", &[7; 100]);
+        let mut so_far = MOST_BYTES_IN_ALL - 150;
+        assert!(file(&path, &mut so_far).is_some());
+        assert_eq!(so_far, MOST_BYTES_IN_ALL - 50);
+        assert!(file(&path, &mut so_far).is_none());
+        std::fs::remove_file(&path).expect("it is there");
+    }
+
+    #[test]
+    fn drawings_count_towards_the_limit_on_elements_wherever_they_are_used() {
+        let shapes = "<rect width='9' height='9'/>".repeat(30);
+        let svg = format!("<svg xmlns='http://www.w3.org/2000/svg' width='9' height='9'>{shapes}</svg>");
+        let path = made("elements.svg", svg.as_bytes());
+        let link = path.to_str().expect("a name in UTF-8").to_owned();
+        let mut outer = Options::default();
+        outer.limits.elements = 100;
+        let (resolver, options) = (resolver(&outer), usvg::Options::default());
+        let is_drawing = || matches!((resolver.resolve_string)(&link, &options), Some(ImageKind::SVG(_)));
+        let drawn = (0..5).filter(|_| is_drawing()).count();
+        std::fs::remove_file(&path).expect("it is there");
+        assert_eq!(drawn, 3);
+    }
 }
