@@ -138,7 +138,7 @@ fn note_circles(xml: &roxmltree::Document, circles: &[links::Place], warnings: &
         warning.count += circles.len();
         return;
     }
-    let at = xml.descendants().filter(|node| node.is_element() && node.range().contains(&first)).last();
+    let at = xml.descendants().rfind(|node| node.is_element() && node.range().contains(&first));
     let element = at.map_or_else(String::new, |node| {
         let line = xml.text_pos_at(node.range().start).row;
         let place = || format!("the <{}> in line {line}", node.tag_name().name());
