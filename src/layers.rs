@@ -16,10 +16,17 @@ use crate::scene::{Clip, ClipMember, Geometry, Scene, Shape};
 use crate::{texture, Error, Renderer, Settings, Viewport};
 use kurbo::{Affine, Point, Rect, Vec2};
 use std::cell::Cell;
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use std::sync::Arc;
 
 /// Pixels of all layers of one scene: 4 GB.
 const MOST_PIXELS: u64 = 1 << 28;
+
+/// Pixels of all layers of a picture, those within layers as well, however often they are made.
+const MOST_WORK: u64 = 1 << 30;
+
+/// Pixels of layers so far, of a picture and all that is drawn for it.
+pub(crate) type Work = Arc<AtomicU64>;
 
 /// Tiles of a pattern that are drawn one by one, and the shapes in all of them; beyond, tiles are copies
 /// of one tile's pixels.
@@ -38,12 +45,14 @@ pub(crate) fn shaders<'a>(
     scene: &'a Scene,
     viewport: &Viewport,
     settings: &Settings,
+    work: Option<&Work>,
 ) -> Result<(Vec<Option<Shader<'a>>>, Option<Aliasing>), Error> {
     if scene.shapes.iter().all(|shape| matches!(shape.paint, Paint::Flat(_))) {
         return Ok((Vec::new(), None));
     }
     let aliasing = Cell::new(settings.stage_times.then(Aliasing::default));
-    let mut artist = Artist { scene, viewport, settings, pixels: 0, aliasing };
+    let mut artist =
+        Artist { scene, viewport, settings, pixels: 0, work: work.cloned().unwrap_or_default(), aliasing };
     let mut shaders = Vec::with_capacity(scene.shapes.len());
     for shape in &scene.shapes {
         let shader = match &shape.paint {
@@ -66,6 +75,7 @@ struct Artist<'a> {
     settings: &'a Settings,
     /// Pixels of the layers so far.
     pixels: u64,
+    work: Work,
     aliasing: Cell<Option<Aliasing>>,
 }
 
@@ -84,6 +94,12 @@ impl Artist<'_> {
         if self.pixels > MOST_PIXELS {
             return Err(Error::Limit(format!(
                 "filters, masks and patterns would hold more than {MOST_PIXELS} pixels (render a smaller picture)"
+            )));
+        }
+        if self.work.fetch_add(rect.area(), Relaxed) + rect.area() > MOST_WORK {
+            return Err(Error::Limit(format!(
+                "filters, masks and patterns within one another would take more than {MOST_WORK} pixels \
+                 (flatten them, or render a smaller picture)"
             )));
         }
         let mut layer = match &raster.source {
@@ -115,7 +131,7 @@ impl Artist<'_> {
             transform: Affine::translate(-corner) * to_pixels,
         };
         let settings = Settings { background: None, threads: 1, stage_times: false, ..self.settings.clone() };
-        let picture = Renderer::new(settings)?.render(scene, &viewport)?;
+        let picture = Renderer::for_layer(settings, self.work.clone())?.render(scene, &viewport)?;
         Ok(Layer::from_rgba8(rect, picture.data()))
     }
 
@@ -206,7 +222,9 @@ impl Artist<'_> {
             ((seen.y0 - place.y0) / place.height()).floor()..((seen.y1 - place.y0) / place.height()).ceil();
         let count = (columns.end - columns.start) * (rows.end - rows.start);
         let shapes = (tile.shapes.len() as f64).max(1.0);
-        if count <= MOST_TILES && count * shapes <= MOST_TILED_SHAPES {
+        // What lies within a tile's layers is made once, not once for each tile.
+        let is_deep = tile.raster_depth() > 1;
+        if count <= MOST_TILES && count * shapes <= MOST_TILED_SHAPES && !is_deep {
             let mut plane = tile.with_shapes(Vec::new());
             plane.clips.clear();
             for row in rows.start as i64..rows.end as i64 {

@@ -61,8 +61,8 @@ pub(crate) fn bounds_in_pixels(geometry: &Geometry, viewport: &Viewport) -> Rect
         Outline::Fill(_) | Outline::Pixels => 0.0,
         Outline::Stroke(stroke) => {
             let miter = if stroke.join == kurbo::Join::Miter { stroke.miter_limit.max(1.0) } else { 1.0 };
-            // A square cap reaches to the corner of a square.
-            0.5 * stroke.width * miter.max(std::f64::consts::SQRT_2) * largest_scale(transform)
+            // A square cap reaches to the corner of a square, a clipped miter to that of a rectangle.
+            0.5 * stroke.width * miter.hypot(1.0) * largest_scale(transform)
         }
     };
     transform.transform_rect_bbox(own).inflate(reach + 1.0, reach + 1.0)

@@ -111,6 +111,8 @@ pub struct Renderer {
     idle: Mutex<Vec<Box<dyn BandPainter>>>,
     size: (u32, u32),
     stages: Stages,
+    /// Where this draws a layer's content: what all layers of the whole picture have cost so far.
+    work: Option<layers::Work>,
 }
 
 impl Renderer {
@@ -139,7 +141,19 @@ impl Renderer {
                     .map_err(|e| Error::Setting(format!("{threads} threads cannot be started: {e}")))?,
             ),
         };
-        Ok(Renderer { settings, pool, idle: Mutex::default(), size: (0, 0), stages: Stages::default() })
+        Ok(Renderer {
+            settings,
+            pool,
+            idle: Mutex::default(),
+            size: (0, 0),
+            stages: Stages::default(),
+            work: None,
+        })
+    }
+
+    /// A renderer for a layer's content, whose own layers count as part of the same work.
+    pub(crate) fn for_layer(settings: Settings, work: layers::Work) -> Result<Renderer, Error> {
+        Ok(Renderer { work: Some(work), ..Renderer::new(settings)? })
     }
 
     /// Renders into a new picture.
@@ -261,7 +275,7 @@ impl Renderer {
         self.resize(viewport);
         let mut outlines = Outlines::new(scene, viewport, self.settings.method.is_jagged());
         let bands = BandLists::new(&outlines.shapes, viewport.height);
-        let (shaders, aliasing) = layers::shaders(scene, viewport, &self.settings)?;
+        let (shaders, aliasing) = layers::shaders(scene, viewport, &self.settings, self.work.as_ref())?;
         let background = self.settings.background.map_or(Sheet::CLEAR, |[r, g, b, a]| {
             Sheet::new([r, g, b].map(|c| f32::from(c) / 255.0), f32::from(a) / 255.0)
         });

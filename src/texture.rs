@@ -19,7 +19,8 @@ pub(crate) fn drawn(image: &Layer, to_pixels: Affine, rect: IntRect, nearest: bo
     let [a, b, c, d, ..] = back.as_coeffs();
     // The box around a pixel's footprint, in the image's pixels.
     let (width, height) = (a.abs() + c.abs(), b.abs() + d.abs());
-    let table = (!nearest && width.max(height) > 1.0).then(|| SummedArea::of(image));
+    let table =
+        (!nearest && width.max(height) > 1.0).then(|| SummedArea::of(image, block(image, width.min(height))));
     for (i, pixel) in layer.pixels_mut().iter_mut().enumerate() {
         let (column, row) = (i % rect.width(), i / rect.width());
         let x = f64::from(rect.x()) + column as f64 + 0.5;
@@ -41,26 +42,51 @@ fn clamped(image: &Layer, x: f64, y: f64) -> Pixel {
     image.pixel(x as i32, y as i32)
 }
 
-/// Of each corner of a pixel, the sum of all pixels above and left of it.
+/// Pixels of an image from which on its table is of blocks of pixels, if the footprint holds some.
+const LARGE: u64 = 1 << 22;
+/// Blocks along the footprint's shorter side, at least.
+const BLOCKS: f64 = 8.0;
+
+/// The side of a table's blocks: what the pixels of a large image share of a small picture's.
+fn block(image: &Layer, footprint: f64) -> usize {
+    match image.rect().area() < LARGE {
+        true => 1,
+        false => (footprint / BLOCKS).max(1.0) as usize,
+    }
+}
+
+/// Of each corner of a block of pixels, the sum of all pixels above and left of it.
 struct SummedArea {
     width: usize,
     height: usize,
+    /// Side of the blocks; the last ones may be cut off.
+    block: usize,
+    /// Corners in a row.
+    corners: usize,
     sums: Vec<[f64; 4]>,
 }
 
 impl SummedArea {
-    fn of(image: &Layer) -> SummedArea {
+    fn of(image: &Layer, block: usize) -> SummedArea {
         let (width, height) = (image.rect().width(), image.rect().height());
-        let mut sums = vec![[0.0; 4]; (width + 1) * (height + 1)];
-        for (y, pixels) in image.pixels().chunks_exact(width).enumerate() {
+        let corners = width.div_ceil(block) + 1;
+        let mut sums = vec![[0.0; 4]; corners];
+        for rows in image.pixels().chunks(width * block) {
+            let above = sums.len() - corners;
+            let mut columns = vec![[0.0f64; 4]; corners];
+            for pixels in rows.chunks_exact(width) {
+                for (sum, pixels) in columns[1..].iter_mut().zip(pixels.chunks(block)) {
+                    pixels.iter().for_each(|pixel| add(sum, pixel.map(f64::from)));
+                }
+            }
             let mut row = [0.0f64; 4];
-            for (x, pixel) in pixels.iter().enumerate() {
-                let above = sums[y * (width + 1) + x + 1];
-                row.iter_mut().zip(pixel).for_each(|(sum, &v)| *sum += f64::from(v));
-                sums[(y + 1) * (width + 1) + x + 1] = std::array::from_fn(|i| above[i] + row[i]);
+            for (column, sum) in columns.into_iter().enumerate() {
+                add(&mut row, sum);
+                let above = sums[above + column];
+                sums.push(std::array::from_fn(|i| above[i] + row[i]));
             }
         }
-        SummedArea { width, height, sums }
+        SummedArea { width, height, block, corners, sums }
     }
 
     /// The mean over a box around a point, as far as it lies in the image.
@@ -82,9 +108,9 @@ impl SummedArea {
 
     /// The table between its corners.
     fn sum(&self, x: f64, y: f64) -> [f64; 4] {
-        let (column, row) = ((x as usize).min(self.width - 1), (y as usize).min(self.height - 1));
-        let (right, below) = (x - column as f64, y - row as f64);
-        let at = |dx: usize, dy: usize| self.sums[(row + dy) * (self.width + 1) + column + dx];
+        let (column, right) = self.between(x, self.width);
+        let (row, below) = self.between(y, self.height);
+        let at = |dx: usize, dy: usize| self.sums[(row + dy) * self.corners + column + dx];
         let (one, two, three, four) = (at(0, 0), at(1, 0), at(0, 1), at(1, 1));
         std::array::from_fn(|i| {
             let upper = one[i] + (two[i] - one[i]) * right;
@@ -92,6 +118,17 @@ impl SummedArea {
             upper + (lower - upper) * below
         })
     }
+
+    /// The corner before a place, and the share of the way to the next.
+    fn between(&self, at: f64, length: usize) -> (usize, f64) {
+        let corner = (at as usize).min(length - 1) / self.block;
+        let (start, end) = (corner * self.block, ((corner + 1) * self.block).min(length));
+        (corner, (at - start as f64) / (end - start) as f64)
+    }
+}
+
+fn add(sum: &mut [f64; 4], more: [f64; 4]) {
+    sum.iter_mut().zip(more).for_each(|(sum, v)| *sum += v);
 }
 
 #[cfg(test)]
@@ -110,6 +147,23 @@ mod tests {
         let image = columns(6, 4);
         assert_eq!(drawn(&image, Affine::IDENTITY, image.rect(), false), image);
         assert_eq!(drawn(&image, Affine::IDENTITY, image.rect(), true), image);
+    }
+
+    #[test]
+    fn a_table_of_blocks_has_the_means_of_one_of_pixels() {
+        let pixel = |i: u32| [(i * 7 % 256) as u8, (i * 31 % 256) as u8, (i / 50) as u8, 255];
+        let bytes: Vec<u8> = (0..50 * 37).flat_map(pixel).collect();
+        let image = Layer::from_rgba8(IntRect::new(0, 0, 50, 37), &bytes);
+        let (fine, coarse) = (SummedArea::of(&image, 1), SummedArea::of(&image, 3));
+        for (x, y) in [(25.0, 18.0), (3.0, 2.0), (49.0, 36.0), (33.3, 11.7)] {
+            let (one, other) =
+                (fine.mean(Point::new(x, y), 24.0, 24.0), coarse.mean(Point::new(x, y), 24.0, 24.0));
+            for i in 0..4 {
+                assert!((one[i] - other[i]).abs() < 0.02, "at {x}, {y}: {one:?}, {other:?}");
+            }
+        }
+        assert_eq!(fine.sum(50.0, 37.0)[3], 50.0 * 37.0);
+        assert!((coarse.sum(50.0, 37.0)[3] - 50.0 * 37.0).abs() < 1e-9);
     }
 
     #[test]

@@ -152,6 +152,155 @@ fn every_bad_drawing_is_rendered_or_refused_as_listed() {
     assert!(seen > REFUSED.len(), "only {seen} files");
 }
 
+/// A shape under a filter of these primitives.
+fn filtered(primitives: &str) -> String {
+    format!(
+        r##"<filter id="f">{primitives}</filter><rect x="10" y="10" width="80" height="80" fill="#2a6" filter="url(#f)"/>"##
+    )
+}
+
+#[test]
+fn filters_with_absurd_numbers_are_drawn_in_bounded_time() {
+    let kernel = |count: usize| "1 ".repeat(count);
+    let cases = [
+        ("blur", r#"<feGaussianBlur stdDeviation="1e5"/>"#.to_string()),
+        ("blur-far", r#"<feGaussianBlur stdDeviation="3e38 1e-38"/>"#.into()),
+        ("shadow", r#"<feDropShadow stdDeviation="1e5" dx="1e30" dy="-1e30"/>"#.into()),
+        ("offset", r#"<feOffset dx="1e38" dy="-1e38"/>"#.into()),
+        ("kernel-long", format!(r#"<feConvolveMatrix order="100000 1" kernelMatrix="{}"/>"#, kernel(100_000))),
+        (
+            "kernel-wrapped",
+            format!(r#"<feConvolveMatrix edgeMode="wrap" order="1 9999" kernelMatrix="{}"/>"#, kernel(9_999)),
+        ),
+        (
+            "kernel-far",
+            r#"<feConvolveMatrix order="3" divisor="1e-38" bias="1e38" kernelMatrix="1e38 1e38 -1e38 1e38 1e38 -1e38 1 1 1"/>"#.into(),
+        ),
+        ("octaves", r#"<feTurbulence baseFrequency="0.1" numOctaves="1000000"/>"#.into()),
+        ("frequency", r#"<feTurbulence baseFrequency="1e30" numOctaves="8" stitchTiles="stitch" seed="1e30"/>"#.into()),
+        ("displacement", r#"<feDisplacementMap in2="SourceGraphic" scale="1e30" xChannelSelector="R"/>"#.into()),
+        ("tile-tiny", r#"<feFlood x="10" y="10" width="1e-9" height="1e-9"/><feTile/>"#.into()),
+        ("tile-huge", r#"<feFlood x="-1e9" y="-1e9" width="2e9" height="2e9"/><feTile/>"#.into()),
+        (
+            "light",
+            r#"<feSpecularLighting surfaceScale="1e38" specularConstant="1e38" specularExponent="128"><fePointLight x="1e38" y="-1e38" z="1e38"/></feSpecularLighting>"#.into(),
+        ),
+        (
+            "spot",
+            r#"<feDiffuseLighting surfaceScale="-1e38"><feSpotLight x="5" y="5" z="5" pointsAtX="5" pointsAtY="5" pointsAtZ="5" specularExponent="1e38" limitingConeAngle="1e30"/></feDiffuseLighting>"#.into(),
+        ),
+        (
+            "transfer",
+            format!(
+                r#"<feComponentTransfer><feFuncR type="table" tableValues="{}"/><feFuncB type="gamma" amplitude="1e38" exponent="-1e38" offset="1e38"/></feComponentTransfer>"#,
+                kernel(100_000)
+            ),
+        ),
+        ("matrix", format!(r#"<feColorMatrix values="{}"/>"#, "1e38 ".repeat(20))),
+        ("composite", r#"<feComposite operator="arithmetic" in2="SourceGraphic" k1="1e38" k2="-1e38" k4="1e38"/>"#.into()),
+        ("morphology", r#"<feMorphology operator="dilate" radius="1e5 1e-5"/>"#.into()),
+        ("chain", r#"<feOffset dx="1"/>"#.repeat(5_000)),
+        ("merge", format!("<feMerge>{}</feMerge>", r#"<feMergeNode in="SourceGraphic"/>"#.repeat(300))),
+        (
+            "doubling",
+            (0..60).map(|i| format!(r#"<feBlend in="r{i}" in2="r{i}" result="r{}"/>"#, i + 1)).collect(),
+        ),
+    ];
+    for (name, primitives) in cases {
+        assert_rendered(&Made::svg(&format!("filter-{name}.svg"), &filtered(&primitives)).0);
+    }
+}
+
+#[test]
+fn effects_that_draw_themselves_are_cut_with_a_warning() {
+    let shape = r##"<rect id="r" width="90" height="90" filter="url(#f)" mask="url(#m)"/>"##;
+    for (name, effect) in [
+        ("feimage", r##"<filter id="f"><feImage href="#r"/></filter>"##),
+        ("mask", r##"<mask id="m"><rect width="90" height="90" mask="url(#m)"/></mask>"##),
+        ("mask-on-mask", r##"<mask id="m" mask="url(#m)"><rect width="90" height="90"/></mask>"##),
+    ] {
+        let Answer { code, said } =
+            answer(&Made::svg(&format!("self-{name}.svg"), &format!("{effect}{shape}")).0, &[]);
+        assert_eq!(code, 0, "{name}: {said}");
+        assert!(said.contains("warning: links by which elements draw themselves"), "{name}: {said}");
+    }
+}
+
+#[test]
+fn a_circle_of_gradients_keeps_its_stops_wherever_it_is_entered() {
+    let circle = r##"<linearGradient id="a" href="#b"/><linearGradient id="b" href="#c"><stop stop-color="red"/></linearGradient><linearGradient id="c" href="#a"/>"##;
+    for entry in ["a", "b", "c"] {
+        let file = Made::svg(
+            &format!("gradients-{entry}.svg"),
+            &format!(r#"{circle}<rect width="9" height="9" fill="url(#{entry})"/>"#),
+        );
+        let scene = toon_raster::Scene::from_bytes(&fs::read(&file.0).unwrap(), &Default::default()).unwrap();
+        assert!(scene.bounding_box().is_some() && scene.warnings().is_empty(), "{entry}");
+    }
+    // From outside the parser would go round for ever.
+    let outside = r##"<linearGradient id="o" href="#a"/><rect width="9" height="9" fill="url(#o)"/>"##;
+    assert_rendered(&Made::svg("gradients-outside.svg", &format!("{circle}{outside}")).0);
+}
+
+#[test]
+fn patterns_within_patterns_are_drawn_in_bounded_time() {
+    let nest = |depth: usize, uses: usize| -> String {
+        let pattern = |i: usize| {
+            let shape = format!(r##"<rect width="90" height="90" fill="url(#p{})"/>"##, i + 1).repeat(uses);
+            let turn = 7 * i;
+            format!(
+                r##"<pattern id="p{i}" width="5" height="7.3" patternTransform="rotate({turn})" patternUnits="userSpaceOnUse">{shape}</pattern>"##
+            )
+        };
+        let patterns: String = (0..depth).map(pattern).collect();
+        let last =
+            r#"width="3" height="3" patternUnits="userSpaceOnUse"><rect width="2" height="2"/></pattern>"#;
+        format!(r##"{patterns}<pattern id="p{depth}" {last}<rect width="90" height="90" fill="url(#p0)"/>"##)
+    };
+    assert_rendered(&Made::svg("patterns-30.svg", &nest(30, 1)).0);
+    assert_rendered(&Made::svg("patterns-8x2.svg", &nest(8, 2)).0);
+    assert_refused(&Made::svg("patterns-20x2.svg", &nest(20, 2)).0, &[], "too often");
+    for size in ["0", "1e-30", "1e30", "-5"] {
+        let pattern = format!(
+            r#"<pattern id="p" width="{size}" height="9" patternUnits="userSpaceOnUse"><rect width="5" height="5"/></pattern>"#
+        );
+        assert_rendered(
+            &Made::svg(
+                "pattern-size.svg",
+                &format!(r##"{pattern}<rect width="90" height="90" fill="url(#p)"/>"##),
+            )
+            .0,
+        );
+    }
+}
+
+#[test]
+fn six_thousand_stops_in_a_millionth_of_a_pixel_are_drawn() {
+    let stops: String = (0..6000)
+        .map(|i| format!(r##"<stop offset="{}" stop-color="#{:06x}"/>"##, i as f64 / 6000.0, i * 2796))
+        .collect();
+    for tag in [r#"linearGradient id="g" x2="1e-6""#, r#"radialGradient id="g" r="1e-4""#] {
+        let name = tag.split_whitespace().next().unwrap();
+        let gradient = format!(r#"<{tag} spreadMethod="reflect">{stops}</{name}>"#);
+        assert_rendered(
+            &Made::svg(
+                &format!("stops-{name}.svg"),
+                &format!(r##"{gradient}<rect width="90" height="90" fill="url(#g)"/>"##),
+            )
+            .0,
+        );
+    }
+}
+
+#[test]
+fn a_drawing_used_as_an_image_two_thousand_times_is_bounded() {
+    let inner = Made::svg("inner.svg", &r#"<rect width="1" height="1"/>"#.repeat(1_000));
+    let link = format!(r#"<image width="9" height="9" href="{}"/>"#, inner.0.display());
+    let Answer { code, said } = answer(&Made::svg("outer.svg", &link.repeat(2_000)).0, &[]);
+    assert_eq!(code, 0, "{said}");
+    assert!(said.contains("warning: images are not drawn"), "{said}");
+}
+
 #[test]
 fn what_is_not_there_is_refused() {
     assert_refused(Path::new("/no/such/drawing.svg"), &[], "no such file");

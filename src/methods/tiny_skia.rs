@@ -10,7 +10,7 @@
 
 use crate::outlines::PlacedOutline;
 use crate::scene::paint::{Gradient, GradientShape, Paint, Sheet, Spread};
-use crate::scene::{Clip, ClipId, FillRule, Geometry, GroupId, Outline, Scene};
+use crate::scene::{Clip, ClipId, FillRule, Geometry, GroupId, Outline, Scene, StrokeStyle};
 use crate::{Error, Settings, Viewport};
 use kurbo::Affine;
 use tiny_skia::{BlendMode, Color, GradientStop, IntRect, Mask, MaskType, Pixmap, Shader, Transform};
@@ -235,7 +235,7 @@ fn transform(affine: Affine) -> Transform {
     Transform::from_row(a, b, c, d, e, f)
 }
 
-fn stroke(pen: &kurbo::Stroke) -> tiny_skia::Stroke {
+fn stroke(pen: &StrokeStyle) -> tiny_skia::Stroke {
     tiny_skia::Stroke {
         width: pen.width as f32,
         miter_limit: pen.miter_limit as f32,
@@ -245,6 +245,7 @@ fn stroke(pen: &kurbo::Stroke) -> tiny_skia::Stroke {
             kurbo::Cap::Square => tiny_skia::LineCap::Square,
         },
         line_join: match pen.join {
+            kurbo::Join::Miter if pen.clips_miters => tiny_skia::LineJoin::MiterClip,
             kurbo::Join::Miter => tiny_skia::LineJoin::Miter,
             kurbo::Join::Round => tiny_skia::LineJoin::Round,
             kurbo::Join::Bevel => tiny_skia::LineJoin::Bevel,

@@ -3,7 +3,8 @@
 
 use super::spine::Spine;
 use super::{quarter, Nib};
-use kurbo::{Cap, Join, Point, Stroke, Vec2};
+use crate::scene::StrokeStyle;
+use kurbo::{Cap, Join, Point, Vec2};
 use std::f64::consts::FRAC_PI_2;
 
 /// A pen's end that moves less than this in a corner, in pixels, makes no join.
@@ -63,7 +64,7 @@ impl Corner {
     }
 
     /// The vertices on one side between the two segments'.
-    pub fn walk(&self, which: f64, style: &Stroke, nib: Nib, add: &mut impl FnMut(Point)) {
+    pub fn walk(&self, which: f64, style: &StrokeStyle, nib: Nib, add: &mut impl FnMut(Point)) {
         if which == self.inner {
             match self.inner_join {
                 InnerJoin::Meet => add(self.crossing(which, nib)),
@@ -79,6 +80,7 @@ impl Corner {
         match style.join {
             Join::Bevel => {}
             Join::Miter if limit * limit * (1.0 + self.cosine) >= 2.0 => add(self.crossing(which, nib)),
+            Join::Miter if style.clips_miters => self.clipped(which, limit, nib).into_iter().for_each(add),
             Join::Miter => {}
             Join::Round => self.arc(which, nib, add),
         }
@@ -87,6 +89,19 @@ impl Corner {
     /// Where the two segments' lines on one side cross.
     fn crossing(&self, which: f64, nib: Nib) -> Point {
         self.at + which * nib.radius / (1.0 + self.cosine) * quarter(self.before + self.after)
+    }
+
+    /// The two vertices where the miter is cut off, across its middle and half the limit times the pen's
+    /// width from the corner (SVG 2, 13.5.5).
+    fn clipped(&self, which: f64, limit: f64, nib: Nib) -> [Point; 2] {
+        // The middle lies half the turn from either side's normal.
+        let half_cosine = (0.5 * (1.0 + self.cosine)).max(0.0).sqrt();
+        let half_sine = (0.5 * (1.0 - self.cosine)).sqrt();
+        let along = nib.radius * (limit - half_cosine) / half_sine;
+        [
+            self.at + which * nib.radius * quarter(self.before) + along * self.before,
+            self.at + which * nib.radius * quarter(self.after) - along * self.after,
+        ]
     }
 
     fn arc(&self, which: f64, nib: Nib, add: &mut impl FnMut(Point)) {

@@ -29,8 +29,9 @@ mod side;
 mod spine;
 
 use crate::edges::Lines;
+use crate::scene::StrokeStyle;
 use corner::{cap, Corner, InnerJoin};
-use kurbo::{Affine, BezPath, Cap, PathEl, Point, Stroke, Vec2};
+use kurbo::{Affine, BezPath, Cap, PathEl, Point, Vec2};
 use side::{Folds, Side};
 use spine::Spine;
 
@@ -66,7 +67,7 @@ impl Pen {
     pub fn stroke(
         &mut self,
         path: impl Iterator<Item = PathEl>,
-        style: &Stroke,
+        style: &StrokeStyle,
         (transform, scale): (Affine, f64),
         tolerance: f64,
         edges: &mut impl Lines,
@@ -86,7 +87,7 @@ impl Pen {
     fn lines(
         &mut self,
         path: impl Iterator<Item = PathEl>,
-        style: &Stroke,
+        style: &StrokeStyle,
         transform: Affine,
         nib: Nib,
         edges: &mut impl Lines,
@@ -127,7 +128,7 @@ impl Pen {
 /// An outline being drawn.
 struct Drawing<'a, E> {
     pen: &'a mut Pen,
-    style: &'a Stroke,
+    style: &'a StrokeStyle,
     transform: Affine,
     nib: Nib,
     edges: &'a mut E,
@@ -300,7 +301,7 @@ fn walk(
     spine: &Spine,
     corners: &[Option<Corner>],
     which: f64,
-    style: &Stroke,
+    style: &StrokeStyle,
     nib: Nib,
     folds: &mut Folds,
     add: &mut impl FnMut(Point),
@@ -318,7 +319,7 @@ fn walk(
 }
 
 /// The dashes of a path, or `None` where it is drawn as one line.
-fn dashed(path: &BezPath, style: &Stroke) -> Option<BezPath> {
+fn dashed(path: &BezPath, style: &StrokeStyle) -> Option<BezPath> {
     let mut dashes = style.dash_pattern.clone();
     if style.start_cap != Cap::Butt {
         // Those without a length have caps all the same.
@@ -354,10 +355,14 @@ mod tests {
     use super::*;
     use crate::edges::EdgeList;
     use crate::edges::{BAND_ROWS, ONE};
-    use kurbo::Join;
+    use kurbo::{Join, Stroke};
 
     /// All edges of an outline on 64 x 64 pixels, sorted: x0, y0, x1, y1, winding.
     fn edges(path: &str, style: &Stroke) -> Vec<[i32; 5]> {
+        edges_of(path, &style.clone().into())
+    }
+
+    fn edges_of(path: &str, style: &StrokeStyle) -> Vec<[i32; 5]> {
         let path = BezPath::from_svg(path).expect("a path");
         let mut list = EdgeList::new(64, 64);
         Pen::default().stroke(path.iter(), style, (Affine::IDENTITY, 1.0), 0.01, &mut list);
@@ -372,8 +377,12 @@ mod tests {
 
     /// The outline's signed area in pixels: positive if it winds the other way.
     fn area(path: &str, style: &Stroke) -> f64 {
+        area_of(path, &style.clone().into())
+    }
+
+    fn area_of(path: &str, style: &StrokeStyle) -> f64 {
         let one = f64::from(ONE);
-        let doubled: f64 = edges(path, style)
+        let doubled: f64 = edges_of(path, style)
             .iter()
             .map(|&[x0, y0, x1, y1, winding]| f64::from(winding) * f64::from(y1 - y0) * f64::from(x0 + x1))
             .sum();
@@ -413,6 +422,28 @@ mod tests {
         let miter = |limit| area(sharp, &pen(2.0).with_join(Join::Miter).with_miter_limit(limit)).abs();
         assert_eq!(miter(4.0), area(sharp, &pen(2.0)).abs());
         assert!(miter(12.0) > miter(4.0) + 5.0, "{} {}", miter(12.0), miter(4.0));
+    }
+
+    #[test]
+    fn a_clipped_miter_ends_at_half_the_limit_times_the_width() {
+        // A quarter turn of a line 4 wide: its miter, 2 wide and high, ends 2 sqrt(2) from the corner.
+        let corner = |limit: f64| {
+            let line = pen(4.0).with_join(Join::Miter).with_miter_limit(limit);
+            area_of("M10 30H30V10", &StrokeStyle { line, clips_miters: true }).abs()
+        };
+        let boxes = 2.0 * 20.0 * 4.0 - 4.0;
+        assert!((corner(4.0) - (boxes + 4.0)).abs() < 0.01, "{}", corner(4.0));
+        // Of the miter's tip, what lies beyond 2 * limit from the corner is a right triangle that high.
+        let missing = |limit: f64| (2.0 * 2f64.sqrt() - 2.0 * limit).powi(2);
+        for limit in [1.0, 1.2, 1.4] {
+            let expected = boxes + 4.0 - missing(limit);
+            assert!((corner(limit) - expected).abs() < 0.01, "{limit}: {} not {expected}", corner(limit));
+        }
+        // A path that turns back: both edges go on for half the limit times the width.
+        let line = pen(4.0).with_join(Join::Miter).with_miter_limit(3.0);
+        let clipped = StrokeStyle { line, clips_miters: true };
+        assert!((area_of("M10 10H30H20", &clipped).abs() - (20.0 + 10.0 + 6.0) * 4.0).abs() < 0.01);
+        assert_eq!(edges_of("M10 10L30 14L10 19", &clipped), edges_of("M10 19L30 14L10 10", &clipped));
     }
 
     #[test]

@@ -95,7 +95,7 @@ enum Item<'a> {
     Image(&'a str),
 }
 
-/// Every group, visible path and visible image below `group`.
+/// Every group, visible path and visible image below `group`, in images that are drawings as well.
 fn visit<'a>(group: &'a Group, look: &mut impl FnMut(Item<'a>)) {
     for node in group.children() {
         match node {
@@ -104,7 +104,13 @@ fn visit<'a>(group: &'a Group, look: &mut impl FnMut(Item<'a>)) {
                 visit(child, look);
             }
             Node::Path(path) if path.is_visible() => look(Item::Path(path)),
-            Node::Image(image) if image.is_visible() => look(Item::Image(image.id())),
+            Node::Image(image) if image.is_visible() => match image.kind() {
+                usvg::ImageKind::SVG(tree) => {
+                    look(Item::Group(tree.root()));
+                    visit(tree.root(), look);
+                }
+                _ => look(Item::Image(image.id())),
+            },
             Node::Text(text) => {
                 look(Item::Group(text.flattened()));
                 visit(text.flattened(), look);

@@ -109,6 +109,11 @@ impl Builder<'_> {
                 Node::Group(child) => self.group(child, transform, layer),
                 Node::Path(path) if path.is_visible() => self.path(path, transform, layer),
                 Node::Text(text) => self.group(text.flattened(), transform, layer),
+                Node::Image(image) if image.is_visible() => {
+                    if let usvg::ImageKind::SVG(tree) = image.kind() {
+                        self.group(tree.root(), transform, layer);
+                    }
+                }
                 Node::Path(_) | Node::Image(_) => {}
             }
         }

@@ -21,7 +21,7 @@
 //! Only pixels with edges are swept; shapes hidden in a pixel by an opaque one which covers it whole
 //! are left out, and runs of pixels without edges are composited once. Gradients are approximate:
 //! they are evaluated at the centroid of the area which one set of shapes covers in the pixel.
-//! Masks, filters and blend modes are ignored, patterns and images are not drawn: see
+//! Masks, filters and blend modes are ignored, patterns and images of pixels are not drawn: see
 //! [`unsupported`].
 //!
 //! [`rational`] is a second, smaller truth: polygons with small integer coordinates, in exact

@@ -11,35 +11,38 @@
 //! ```
 
 use super::polyline::Polyline;
+use super::stroke::Style;
 use kurbo::{BezPath, Cap, Join, Point, Stroke, Vec2};
 
 /// The pieces of `line`; `tolerance` is in user units.
-pub(super) fn stroke(line: &Polyline, style: &Stroke, tolerance: f64, out: &mut BezPath) {
-    let mut pieces = Pieces { style, radius: style.width / 2.0, tolerance, out };
+pub(super) fn stroke(line: &Polyline, style: &Style, tolerance: f64, out: &mut BezPath) {
+    let Style { line: ref stroke, clips_miters } = *style;
+    let mut pieces = Pieces { style: stroke, clips_miters, radius: stroke.width / 2.0, tolerance, out };
     let points = &line.points;
     let count = points.len();
     if count == 1 {
         let direction = line.direction.normalize();
-        pieces.cap(points[0], direction, style.end_cap);
-        pieces.cap(points[0], -direction, style.start_cap);
+        pieces.cap(points[0], direction, stroke.end_cap);
+        pieces.cap(points[0], -direction, stroke.start_cap);
         return;
     }
     for (i, &(leaves, arrives)) in line.headings.iter().enumerate() {
         let next = (i + 1) % count;
         pieces.segment(points[i], points[next], leaves, arrives);
         if let Some(after) = line.headings.get(if line.closed { next } else { i + 1 }) {
-            let join = if line.smooth[next] { Join::Round } else { style.join };
+            let join = if line.smooth[next] { Join::Round } else { stroke.join };
             pieces.join(points[next], arrives, after.0, join);
         }
     }
     if let (false, Some(first), Some(last)) = (line.closed, line.headings.first(), line.headings.last()) {
-        pieces.cap(points[0], -first.0, style.start_cap);
-        pieces.cap(points[count - 1], last.1, style.end_cap);
+        pieces.cap(points[0], -first.0, stroke.start_cap);
+        pieces.cap(points[count - 1], last.1, stroke.end_cap);
     }
 }
 
 struct Pieces<'a> {
     style: &'a Stroke,
+    clips_miters: bool,
     radius: f64,
     tolerance: f64,
     out: &'a mut BezPath,
@@ -107,6 +110,13 @@ impl Pieces<'_> {
             Join::Miter if 2.0 <= (1.0 + dot) * self.style.miter_limit.powi(2) => {
                 let tip = (from + to) / (1.0 + dot);
                 self.polygon(&[at, at + from, at + tip, at + to]);
+            }
+            // Cut where the middle of the turn is half the limit times the width away.
+            Join::Miter if self.clips_miters => {
+                let middle = (before - after).normalize();
+                let far = self.style.miter_limit * self.radius;
+                let cut = |edge: Vec2, on: Vec2| at + edge + on * ((far - edge.dot(middle)) / on.dot(middle));
+                self.polygon(&[at, at + from, cut(from, before), cut(to, -after), at + to]);
             }
             Join::Miter | Join::Bevel => self.polygon(&[at, at + from, at + to]),
         }

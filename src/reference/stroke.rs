@@ -22,42 +22,45 @@ pub(super) fn outline(
     let style = style(stroke);
     let mut outline = BezPath::new();
     match options.stroker {
-        Stroker::Kurbo => {
-            outline = kurbo::stroke(&path, &style, &StrokeOpts::default(), tolerance);
+        // It knows no clipped miters.
+        Stroker::Kurbo if !style.clips_miters => {
+            outline = kurbo::stroke(&path, &style.line, &StrokeOpts::default(), tolerance);
             // It draws no dots: lines and dashes without length.
-            let dots = style.dash_pattern.is_empty() || style.dash_pattern.contains(&0.0);
-            if dots && style.start_cap != Cap::Butt {
+            let dots = style.line.dash_pattern.is_empty() || style.line.dash_pattern.contains(&0.0);
+            if dots && style.line.start_cap != Cap::Butt {
                 let is_dot = |line: &Polyline| line.points.len() == 1;
                 lines(&path, &style, tolerance)
                     .filter(is_dot)
                     .for_each(|dot| pieces::stroke(&dot, &style, tolerance, &mut outline));
             }
         }
-        Stroker::Pieces => lines(&path, &style, tolerance)
+        _ => lines(&path, &style, tolerance)
             .for_each(|line| pieces::stroke(&line, &style, tolerance, &mut outline)),
     }
     transform * outline
 }
 
 /// The sub-paths, or their dashes.
-fn lines<'a>(
-    path: &BezPath,
-    style: &'a kurbo::Stroke,
-    tolerance: f64,
-) -> impl Iterator<Item = Polyline> + 'a {
+fn lines<'a>(path: &BezPath, style: &'a Style, tolerance: f64) -> impl Iterator<Item = Polyline> + 'a {
     // Where a dash ends, its direction comes from the chords about it.
-    let finer = if style.dash_pattern.is_empty() { 1.0 } else { 0.05 };
+    let finer = if style.line.dash_pattern.is_empty() { 1.0 } else { 0.05 };
     Polyline::all(path, finer * tolerance).into_iter().flat_map(|line| {
-        if style.dash_pattern.is_empty() {
+        if style.line.dash_pattern.is_empty() {
             vec![line]
         } else {
-            line.dashes(&style.dash_pattern, style.dash_offset)
+            line.dashes(&style.line.dash_pattern, style.line.dash_offset)
         }
     })
 }
 
-/// The stroke's style in kurbo's words. `miter-clip` is drawn as `miter`.
-fn style(stroke: &usvg::Stroke) -> kurbo::Stroke {
+/// The stroke's style in kurbo's words, and one for which it has none.
+pub(super) struct Style {
+    pub(super) line: kurbo::Stroke,
+    /// `miter-clip`.
+    pub(super) clips_miters: bool,
+}
+
+fn style(stroke: &usvg::Stroke) -> Style {
     let cap = match stroke.linecap() {
         LineCap::Butt => Cap::Butt,
         LineCap::Round => Cap::Round,
@@ -68,16 +71,17 @@ fn style(stroke: &usvg::Stroke) -> kurbo::Stroke {
         LineJoin::Round => Join::Round,
         LineJoin::Bevel => Join::Bevel,
     };
-    let style = kurbo::Stroke::new(f64::from(stroke.width().get()))
+    let line = kurbo::Stroke::new(f64::from(stroke.width().get()))
         .with_caps(cap)
         .with_join(join)
         .with_miter_limit(f64::from(stroke.miterlimit().get()));
-    match stroke.dasharray() {
+    let line = match stroke.dasharray() {
         Some(dashes) => {
-            style.with_dashes(f64::from(stroke.dashoffset()), dashes.iter().copied().map(f64::from))
+            line.with_dashes(f64::from(stroke.dashoffset()), dashes.iter().copied().map(f64::from))
         }
-        None => style,
-    }
+        None => line,
+    };
+    Style { line, clips_miters: stroke.linejoin() == LineJoin::MiterClip }
 }
 
 /// The most that `transform` stretches any direction: its larger singular value.

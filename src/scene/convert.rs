@@ -3,7 +3,9 @@
 
 use super::paint::{Gradient, GradientShape, Paint, Spread, Stop};
 use super::raster::{Mask, Raster, RasterGroup, Source};
-use super::{Clip, ClipId, ClipMember, FillRule, Geometry, Group, GroupId, Outline, Scene, Shape, Warning};
+use super::{
+    Clip, ClipId, ClipMember, FillRule, Geometry, Group, GroupId, Outline, Scene, Shape, StrokeStyle, Warning,
+};
 use crate::effects::layer::{IntRect, Layer};
 use crate::Error;
 use kurbo::{Affine, Rect, Size};
@@ -15,6 +17,9 @@ const DEEPEST_GROUP: usize = 256;
 
 /// Filters, masks and patterns within one another beyond this are refused: each holds a picture.
 const DEEPEST_RASTER: usize = 32;
+
+/// Filters, masks and patterns of a drawing, counted again wherever they are drawn.
+const MOST_RASTERS: usize = 1 << 16;
 
 /// Pixels of all images of a drawing: 2 GB.
 const MOST_IMAGE_PIXELS: u64 = 1 << 27;
@@ -76,6 +81,8 @@ struct Walk {
     images: HashMap<Arc<Vec<u8>>, Option<Arc<Layer>>>,
     /// Rasters around the walk.
     nesting: usize,
+    /// Contents of rasters so far.
+    contents: usize,
     /// The last group's id: usvg puts an image's own on a group around it.
     last_id: String,
 }
@@ -91,6 +98,7 @@ impl Default for Walk {
             warnings: Vec::new(),
             images: HashMap::new(),
             nesting: 0,
+            contents: 0,
             last_id: String::new(),
         }
     }
@@ -222,13 +230,21 @@ impl Walk {
                 self.name(group.id())
             )));
         }
-        let mut walk = Walk { nesting: self.nesting + 1, ..Walk::default() };
+        self.contents += 1;
+        if self.contents > MOST_RASTERS {
+            return Err(Error::Limit(format!(
+                "it repeats filters, masks and patterns too often: more than {MOST_RASTERS} of them at {} (flatten them)",
+                self.name(group.id())
+            )));
+        }
+        let mut walk = Walk { nesting: self.nesting + 1, contents: self.contents, ..Walk::default() };
         walk.warnings = std::mem::take(&mut self.warnings);
         walk.images = std::mem::take(&mut self.images);
         let place = Place { transform: Affine::IDENTITY, clip: None, group: 0, depth: 0 };
         let done = group.children().iter().try_for_each(|child| walk.node(child, place));
         self.warnings = std::mem::take(&mut walk.warnings);
         self.images = std::mem::take(&mut walk.images);
+        self.contents = walk.contents;
         done?;
         Ok(walk.into_scene())
     }
@@ -257,9 +273,6 @@ impl Walk {
         if let Some(style) = path.stroke() {
             let paint = self.paint(style.paint(), style.opacity().get(), place.transform)?;
             stroke = paint.map(|paint| shape(stroke_outline(style), paint));
-            if stroke.is_some() && style.linejoin() == usvg::LineJoin::MiterClip {
-                self.warn("clipped miter joins", path.id());
-            }
         }
         match path.paint_order() {
             usvg::PaintOrder::FillAndStroke => self.shapes.extend(fill.into_iter().chain(stroke)),
@@ -438,10 +451,12 @@ fn stroke_outline(stroke: &usvg::Stroke) -> Outline {
         .with_join(join)
         .with_caps(cap)
         .with_miter_limit(stroke.miterlimit().get().into());
-    Outline::Stroke(Box::new(match stroke.dasharray() {
+    let line = match stroke.dasharray() {
         Some(dashes) => pen.with_dashes(stroke.dashoffset().into(), dashes.iter().map(|&d| f64::from(d))),
         None => pen,
-    }))
+    };
+    let clips_miters = stroke.linejoin() == usvg::LineJoin::MiterClip;
+    Outline::Stroke(Box::new(StrokeStyle { line, clips_miters }))
 }
 
 fn gradient(

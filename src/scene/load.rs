@@ -103,25 +103,49 @@ pub fn tree_from_bytes(bytes: &[u8], options: &Options) -> Result<usvg::Tree, Er
 /// As [`tree_from_bytes`].
 pub fn tree_and_warnings(bytes: &[u8], options: &Options) -> Result<(usvg::Tree, Vec<Warning>), Error> {
     let unmatched = Mutex::default();
-    let tree = read_tree(bytes, options, &unmatched)?;
-    Ok((tree, unmatched.into_inner().unwrap_or_default()))
+    let (tree, mut warnings) = read_tree(bytes, options, &unmatched)?;
+    warnings.extend(unmatched.into_inner().unwrap_or_default());
+    Ok((tree, warnings))
 }
 
 /// Text whose font families no font matches.
 type Unmatched = Mutex<Vec<Warning>>;
 
-fn read_tree(bytes: &[u8], options: &Options, unmatched: &Unmatched) -> Result<usvg::Tree, Error> {
+/// The tree, and the circles that had to be cut.
+fn read_tree(
+    bytes: &[u8],
+    options: &Options,
+    unmatched: &Unmatched,
+) -> Result<(usvg::Tree, Vec<Warning>), Error> {
+    let mut warnings: Vec<Warning> = Vec::new();
     let mut text = text(bytes, &options.limits)?;
     for _ in 0..ROUNDS {
         let xml = parse_xml(&text)?;
         let census = guard::check(&xml, options.usvg.style_sheet.as_deref(), &options.limits)?;
         if census.circles.is_empty() {
-            return tree_from_xml(&xml, &census, options, unmatched);
+            return Ok((tree_from_xml(&xml, &census, options, unmatched)?, warnings));
         }
-        log::warn!("elements draw each other in circles: {} links are cut", census.circles.len());
+        note_circles(&xml, &census.circles, &mut warnings);
         text = guard::cut(&text, &census.circles).into();
     }
     Err(Error::Parse("its elements draw each other in circles".to_string()))
+}
+
+/// One warning, which names the first element whose link is cut.
+fn note_circles(xml: &roxmltree::Document, circles: &[links::Place], warnings: &mut Vec<Warning>) {
+    let Some(first) = circles.iter().map(|place| place.bytes.start).min() else { return };
+    if let Some(warning) = warnings.first_mut() {
+        warning.count += circles.len();
+        return;
+    }
+    let at = xml.descendants().rfind(|node| node.is_element() && node.range().contains(&first));
+    let element = at.map_or_else(String::new, |node| {
+        let line = xml.text_pos_at(node.range().start).row;
+        let place = || format!("the <{}> in line {line}", node.tag_name().name());
+        node.attribute("id").map_or_else(place, str::to_owned)
+    });
+    let kind = "links by which elements draw themselves";
+    warnings.push(Warning { kind, element, count: circles.len() });
 }
 
 /// The XML text in the bytes, which is of bounded length with its entities replaced.

@@ -34,8 +34,8 @@ pub struct Options {
 /// Something in the drawing which is not drawn as SVG says.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Warning {
-    /// What is left out, in the plural: `images` (that cannot be read), `clipped miter joins`, `texts
-    /// without a font`.
+    /// What is left out, in the plural: `images` (that cannot be read), `texts without a
+    /// font`, `links by which elements draw themselves`.
     pub kind: &'static str,
     /// The first element that has it: its `id`, or where it stands when it has none.
     pub element: String,
@@ -101,9 +101,31 @@ pub(crate) enum Outline {
     /// The inside, by this rule.
     Fill(FillRule),
     /// The line along it; widths and dashes in the path's coordinates.
-    Stroke(Box<kurbo::Stroke>),
+    Stroke(Box<StrokeStyle>),
     /// All pixels that the path's bounds touch.
     Pixels,
+}
+
+/// How a line is drawn along a path.
+#[derive(Clone, Debug)]
+pub(crate) struct StrokeStyle {
+    pub line: kurbo::Stroke,
+    /// A miter beyond the limit is cut off at it, rather than left out (`stroke-linejoin: miter-clip`).
+    pub clips_miters: bool,
+}
+
+impl From<kurbo::Stroke> for StrokeStyle {
+    fn from(line: kurbo::Stroke) -> StrokeStyle {
+        StrokeStyle { line, clips_miters: false }
+    }
+}
+
+impl std::ops::Deref for StrokeStyle {
+    type Target = kurbo::Stroke;
+
+    fn deref(&self) -> &kurbo::Stroke {
+        &self.line
+    }
 }
 
 /// Which winding numbers are inside (SVG 2, 13.3.1).
@@ -207,6 +229,15 @@ impl Scene {
         }
         path.reverse();
         path
+    }
+
+    /// How deep rasters lie within one another; 0 where there is none.
+    pub(crate) fn raster_depth(&self) -> usize {
+        let depth = |shape: &Shape| match &shape.paint {
+            Paint::Raster(raster) => 1 + raster.depth_within(),
+            _ => 0,
+        };
+        self.shapes.iter().map(depth).max().unwrap_or(0)
     }
 
     /// Other shapes, with this scene's clips and groups.

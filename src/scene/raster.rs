@@ -19,6 +19,20 @@ pub(crate) struct Raster {
     pub opacity: f32,
 }
 
+impl Raster {
+    /// How deep rasters lie in what it shows.
+    pub fn depth_within(&self) -> usize {
+        match &self.source {
+            Source::Image { .. } => 0,
+            Source::Tiles(tile, _) => tile.raster_depth(),
+            Source::Group(group) => {
+                let masks = std::iter::successors(group.mask.as_ref(), |mask| mask.within.as_deref());
+                masks.map(|mask| mask.content.raster_depth()).fold(group.content.raster_depth(), usize::max)
+            }
+        }
+    }
+}
+
 /// Where the pixels come from.
 #[derive(Clone, Debug)]
 pub(crate) enum Source {

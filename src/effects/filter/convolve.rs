@@ -2,6 +2,7 @@
 
 use crate::effects::layer::{premultiplied, straight, unit, Layer, Pixel, CLEAR};
 use crate::Error;
+use std::collections::BTreeMap;
 use usvg::filter::{ConvolveMatrix, EdgeMode};
 
 /// Most products of a kernel value and a pixel: some seconds' work.
@@ -10,7 +11,10 @@ const MOST_PRODUCTS: u64 = 1 << 32;
 /// # Errors
 /// [`Error::Limit`] when the kernel is too large for a layer of this size.
 pub(super) fn apply(layer: Layer, fe: &ConvolveMatrix) -> Result<Layer, Error> {
-    let taps = taps(fe);
+    if layer.rect().is_empty() {
+        return Ok(layer);
+    }
+    let taps = within_reach(taps(fe), (layer.rect().width(), layer.rect().height()), fe.edge_mode());
     if taps.len() as u64 * layer.rect().area() > MOST_PRODUCTS {
         return Err(Error::Limit(format!(
             "feConvolveMatrix: a kernel of {} x {} over {} x {} pixels is too much work (make either smaller)",
@@ -75,6 +79,26 @@ fn taps(fe: &ConvolveMatrix) -> Vec<Tap> {
         weight,
     };
     matrix.data().iter().enumerate().filter(|(_, &weight)| weight != 0.0).map(tap).collect()
+}
+
+/// The same without what looks beyond the layer from everywhere in it: there all see nothing, or the same.
+fn within_reach(taps: Vec<Tap>, (width, height): (usize, usize), edges: EdgeMode) -> Vec<Tap> {
+    let (width, height) = (width as i64, height as i64);
+    if taps.iter().all(|tap| tap.dx.abs() < width && tap.dy.abs() < height) {
+        return taps;
+    }
+    let near = |away: i64, length: i64| match edges {
+        EdgeMode::None => Some(away).filter(|away| away.abs() < length),
+        EdgeMode::Duplicate => Some(away.clamp(-length, length)),
+        EdgeMode::Wrap => Some(away % length),
+    };
+    let mut merged = BTreeMap::new();
+    for tap in taps {
+        if let (Some(dx), Some(dy)) = (near(tap.dx, width), near(tap.dy, height)) {
+            *merged.entry((dy, dx)).or_insert(0.0) += tap.weight;
+        }
+    }
+    merged.into_iter().map(|((dy, dx), weight)| Tap { dx, dy, weight }).collect()
 }
 
 /// Where beyond the layer's edge is looked instead.

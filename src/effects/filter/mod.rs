@@ -218,7 +218,11 @@ impl<'a> Run<'a> {
             }
             Kind::ColorMatrix(fe) => color::matrix(self.input_in(number, 0, space), fe.kind()),
             Kind::ComponentTransfer(fe) => color::transfer(self.input_in(number, 0, space), fe),
-            Kind::ConvolveMatrix(fe) => convolve::apply(self.input_in(number, 0, space), fe)?,
+            Kind::ConvolveMatrix(fe) => {
+                // Its edges are those of the subregion.
+                let within = self.input_in(number, 0, space).over_rect(subregion.intersect(self.region));
+                convolve::apply(within, fe)?.over_rect(self.region)
+            }
             Kind::Morphology(fe) => morphology::apply(
                 self.input_in(number, 0, space),
                 fe.operator(),

@@ -93,12 +93,11 @@ pub(super) fn pixels_of(rect: NonZeroRect, to_canvas: Affine) -> IntRect {
         rect.right().into(),
         rect.bottom().into(),
     ));
-    // As browsers do: the pixel the corner lies in, and as many as the size calls for. Sizes come
-    // from single precision: they must not round up because of its last bits.
+    // As browsers do: all pixels that it touches, and at least one. Sizes come from single precision:
+    // edges must not move to the next pixel because of its last bits.
     let (x, y) = ((rect.x0 + LAST_BITS).floor(), (rect.y0 + LAST_BITS).floor());
-    let size = |length: f64| (length - LAST_BITS).ceil().max(1.0);
-    let (right, bottom) = (x + size(rect.width()), y + size(rect.height()));
-    IntRect::from_edges(x as i64, y as i64, right as i64, bottom as i64)
+    let (right, bottom) = ((rect.x1 - LAST_BITS).ceil(), (rect.y1 - LAST_BITS).ceil());
+    IntRect::from_edges(x as i64, y as i64, right.max(x + 1.0) as i64, bottom.max(y + 1.0) as i64)
 }
 
 /// A share of a pixel below which a position is taken for a whole number.

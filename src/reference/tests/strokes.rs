@@ -50,6 +50,25 @@ fn joins_add_their_corners() {
 }
 
 #[test]
+fn a_clipped_miter_loses_its_tip_beyond_half_the_limit_times_the_width() {
+    for stroker in STROKERS {
+        let corner = |limit: f64| {
+            let body = format!(
+                "<path fill='none' stroke='#000' stroke-width='4' stroke-linejoin='miter-clip'
+                    stroke-miterlimit='{limit}' d='M2 16V4H16'/>"
+            );
+            area(&truth_by(stroker, 20, 20, &body))
+        };
+        let whole = corner(4.0);
+        // The tip stands 2 sqrt(2) from the corner, and is a right angle.
+        for limit in [1.0, 1.25] {
+            let lost = (2.0 * 2f64.sqrt() - 2.0 * limit).powi(2);
+            assert_near(corner(limit), whole - lost, 1e-6);
+        }
+    }
+}
+
+#[test]
 fn a_miter_beyond_its_limit_is_a_bevel() {
     for stroker in STROKERS {
         let tip = |limit: f64| {

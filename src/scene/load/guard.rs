@@ -31,7 +31,11 @@ pub(super) fn check(xml: &Document, style_sheet: Option<&str>, limits: &Limits) 
     arcs::check(xml)?;
     let links = links::find(xml, style_sheet);
     let has_text = xml.descendants().any(|n| n.is_element() && n.tag_name().name() == "text");
-    let mut walk = Walk { links: &links, marks: vec![Mark::default(); xml.descendants().count()] };
+    let from_gradient = |link: &&Link| xml.get_node(NodeId::from(link.from as u32)).is_some_and(is_gradient);
+    let mut gradients: Vec<_> = links.iter().filter(from_gradient).map(|link| (link.to, link.from)).collect();
+    gradients.sort_unstable();
+    let marks = vec![Mark::default(); xml.descendants().count()];
+    let mut walk = Walk { links: &links, gradients, marks };
     let circles = walk.from(xml)?;
     let root = walk.marks[index(xml.root().id())];
     if root.elements > limits.elements || root.visits > limits.elements.saturating_mul(VISITS) {
@@ -85,6 +89,8 @@ enum State {
 /// A walk through the document and along its links, depth first, each node once.
 struct Walk<'l> {
     links: &'l [Link],
+    /// Links from gradients: to and from, sorted.
+    gradients: Vec<(usize, usize)>,
     marks: Vec<Mark>,
 }
 
@@ -123,7 +129,7 @@ impl<'l> Walk<'l> {
             match self.marks[index(node.id())].state {
                 State::New => steps.push(self.enter(node, by)),
                 State::Done => self.add(at, index(node.id()), by),
-                State::Open => circles.extend(link_on_circle(&steps, node, by)?),
+                State::Open => circles.extend(self.link_on_circle(&steps, node, by)?),
             }
         }
         Ok(circles)
@@ -145,23 +151,53 @@ impl<'l> Walk<'l> {
         outer.visits = outer.visits.saturating_add(inner.visits.saturating_mul(times.max(1)));
         outer.depth = outer.depth.max(inner.depth + 1);
     }
+
+    /// The link to cut on the circle from the open `node` through the steps back to it: one with a place in
+    /// the text, and the last, but a property rather than a `use`, whose element is drawn elsewhere as well.
+    /// `None` if the circle can be left to the parser.
+    fn link_on_circle(
+        &self,
+        steps: &[Step],
+        node: Node,
+        closing: Option<&Link>,
+    ) -> Result<Option<Place>, Error> {
+        let first = steps.iter().rposition(|step| step.node == node).unwrap_or(0);
+        let circle = &steps[first..];
+        if self.is_followed_to_its_start(circle) {
+            return Ok(None);
+        }
+        let links = || std::iter::once(closing).chain(circle[1..].iter().rev().map(|step| step.by));
+        let by_property =
+            links().zip(circle.iter().rev()).filter(|(_, from)| from.node.tag_name().name() != "use");
+        let places = by_property.map(|(link, _)| link).chain(links()).flatten();
+        if let Some(place) = places.into_iter().find_map(|link| link.place.clone()) {
+            return Ok(Some(place));
+        }
+        let inside = || circle[1..].iter();
+        let is_marker = |node: &Node| node.tag_name().name() == "marker";
+        if is_marker(&node) && inside().filter(|step| step.by.is_some()).all(|step| is_marker(&step.node)) {
+            return Ok(None);
+        }
+        let tag = node.tag_name().name();
+        let id = node.attribute("id").map(|id| format!(" '{id}'")).unwrap_or_default();
+        Err(Error::Parse(format!(
+            "the <{tag}>{id} is drawn with itself, by a style sheet or by what it inherits (give its shapes a paint of their own)"
+        )))
+    }
+
+    /// Is this a circle of gradients whose stops the parser looks for from one of them on? There it stops
+    /// where it began; from a gradient outside it would never.
+    fn is_followed_to_its_start(&self, circle: &[Step]) -> bool {
+        let before = circle.iter().cycle().skip(circle.len() - 1);
+        circle.iter().zip(before).all(|(step, before)| {
+            let (at, before) = (index(step.node.id()), index(before.node.id()));
+            let first = self.gradients.partition_point(|&(to, _)| to < at);
+            let leading_here = self.gradients[first..].iter().take_while(|&&(to, _)| to == at);
+            is_gradient(step.node) && leading_here.into_iter().all(|&(_, from)| from == before)
+        })
+    }
 }
 
-/// The last link with a place in the text on the circle from the open `node` through the steps back
-/// to it; `None` if the circle can be left to the parser, which notices markers inside themselves.
-fn link_on_circle(steps: &[Step], node: Node, closing: Option<&Link>) -> Result<Option<Place>, Error> {
-    let inside = || steps.iter().rev().take_while(|step| step.node != node);
-    let links = std::iter::once(closing).chain(inside().map(|step| step.by)).flatten();
-    if let Some(place) = links.into_iter().find_map(|link| link.place.clone()) {
-        return Ok(Some(place));
-    }
-    let is_marker = |node: &Node| node.tag_name().name() == "marker";
-    if is_marker(&node) && inside().filter(|step| step.by.is_some()).all(|step| is_marker(&step.node)) {
-        return Ok(None);
-    }
-    let tag = node.tag_name().name();
-    let id = node.attribute("id").map(|id| format!(" '{id}'")).unwrap_or_default();
-    Err(Error::Parse(format!(
-        "the <{tag}>{id} is drawn with itself, by a style sheet or by what it inherits (give its shapes a paint of their own)"
-    )))
+fn is_gradient(node: Node) -> bool {
+    node.tag_name().name().ends_with("Gradient")
 }
