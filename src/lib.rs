@@ -66,6 +66,8 @@ mod texture;
 
 mod outlines;
 
+mod tiles;
+
 mod pen;
 
 mod polygons;

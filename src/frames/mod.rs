@@ -5,6 +5,7 @@
 //! | [`timeline`] | an animated SVG → the document at any time, its duration, what is not evaluated |
 //! | [`list`] | the text of a frame list (`1-100x2`) → frame numbers |
 //! | [`blur`] | pictures of moments within a frame → their mean |
+//! | [`gallery`] | pictures made lately → the same picture again, or what a new one can take over |
 //! | [`sequence`] | how to make one frame, how many → frames in order, on all threads, in bounded memory |
 //!
 //! # Example
@@ -28,6 +29,7 @@
 //! ```
 
 pub mod blur;
+pub mod gallery;
 pub mod list;
 pub mod sequence;
 pub mod timeline;

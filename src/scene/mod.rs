@@ -6,6 +6,7 @@
 pub(crate) mod color_map;
 mod convert;
 pub(crate) mod paint;
+pub(crate) mod print;
 pub(crate) mod raster;
 
 pub mod load;
