@@ -192,10 +192,15 @@ impl Renderer {
             return self.whole(paint, scene, viewport, buffer, stride);
         }
         let bands = band_count(height);
-        self.prepare(scene, viewport, |_, _| None, |renderer, picture, _| {
-            renderer.bands(picture, height, 0..bands, buffer, stride);
-            Ok(())
-        })
+        self.prepare(
+            scene,
+            viewport,
+            |_, _| None,
+            |renderer, picture, _| {
+                renderer.bands(picture, height, 0..bands, buffer, stride);
+                Ok(())
+            },
+        )
         .map(drop)
     }
 
@@ -220,15 +225,20 @@ impl Renderer {
         let bands = band_count(height);
         let mut buffer = vec![0; stride * (at_once * BAND_ROWS as usize).min(height as usize)];
         let mut first = 0;
-        self.prepare(scene, viewport, |_, _| None, |renderer, picture, more| {
-            let last = (first + at_once).min(bands);
-            let rows = (last * BAND_ROWS as usize).min(height as usize) - first * BAND_ROWS as usize;
-            renderer.bands(picture, height, first..last, &mut buffer[..rows * stride], stride);
-            sink(&buffer[..rows * stride])?;
-            first = last;
-            *more = (first < bands).then_some(first);
-            Ok(())
-        })
+        self.prepare(
+            scene,
+            viewport,
+            |_, _| None,
+            |renderer, picture, more| {
+                let last = (first + at_once).min(bands);
+                let rows = (last * BAND_ROWS as usize).min(height as usize) - first * BAND_ROWS as usize;
+                renderer.bands(picture, height, first..last, &mut buffer[..rows * stride], stride);
+                sink(&buffer[..rows * stride])?;
+                first = last;
+                *more = (first < bands).then_some(first);
+                Ok(())
+            },
+        )
         .map(drop)
     }
 

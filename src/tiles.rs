@@ -9,8 +9,9 @@
 use crate::edges::{Bounds, BAND_ROWS};
 use crate::outlines::{BandLists, Outlines};
 use crate::scene::print::{self, Print};
-use crate::scene::{GroupId, Scene, Shape};
+use crate::scene::{GroupId, Scene};
 use crate::{Settings, Viewport};
+use std::borrow::Cow;
 
 /// Words of a band's bitmap in one row of a tile.
 const TILE_WORDS: usize = 1;
@@ -32,8 +33,10 @@ pub(crate) fn prints(
 ) -> Vec<Print> {
     let columns = tile_columns(viewport.width);
     let count = viewport.height.div_ceil(BAND_ROWS) as usize;
-    let clips = print::of_clips(&scene.clips);
-    let shapes: Vec<Print> = scene.shapes.iter().map(|shape| of_shape(shape, &clips)).collect();
+    let shapes = match scene.prints.len() == scene.shapes.len() {
+        true => Cow::Borrowed(&scene.prints),
+        false => Cow::Owned(print::of_shapes(scene)),
+    };
     let groups = Groups::new(scene);
     let mut prints = vec![of_setup(viewport, settings); columns * count];
     // The group of the last shape that each tile of a band saw.
@@ -55,15 +58,6 @@ pub(crate) fn prints(
         }
     }
     prints
-}
-
-fn of_shape(shape: &Shape, clips: &[Print]) -> Print {
-    let mut print = print::of_geometry(&shape.geometry);
-    print.add_print(print::of_paint(&shape.paint));
-    if let Some(clip) = shape.clip {
-        print.add_print(clips[clip as usize]);
-    }
-    print
 }
 
 /// The print of what holds for all tiles.

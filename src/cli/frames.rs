@@ -16,8 +16,8 @@ use std::io::Write;
 use std::process::ExitCode;
 use std::time::Instant;
 use toon_raster::encode::{Layout, PngWriter, Rate, Yuv};
-use toon_raster::frames::list::FrameList;
 use toon_raster::frames::gallery::Made;
+use toon_raster::frames::list::FrameList;
 use toon_raster::frames::sequence::in_order;
 use toon_raster::frames::Timeline;
 use toon_raster::scene::load;
@@ -264,10 +264,11 @@ impl Shoot {
         // Whose fault it is if no file is made.
         let mut name = self.job.origin.name();
         let done = Output::create(target).and_then(|mut output| {
-            let size = self.shoot(studio, &mut output, progress, &mut failures, &mut name).map_err(|e| match e {
-                Error::Io(e) => output.failure(&e),
-                other => other.into(),
-            })?;
+            let size =
+                self.shoot(studio, &mut output, progress, &mut failures, &mut name).map_err(|e| match e {
+                    Error::Io(e) => output.failure(&e),
+                    other => other.into(),
+                })?;
             let Some(size) = size else { return Ok(false) };
             output.commit()?;
             self.write_layout(target, size)?;

@@ -7,6 +7,7 @@ use super::render::RenderJob;
 use super::report::{self, Failure};
 use super::size::{self, Part};
 use std::sync::atomic::{AtomicU64, Ordering};
+use toon_raster::frames::cels::Cels;
 use toon_raster::frames::gallery::{Gallery, Made};
 use toon_raster::frames::sequence::AHEAD;
 use toon_raster::frames::{blur, Timeline};
@@ -52,6 +53,7 @@ pub struct Studio<'j> {
     verify: bool,
     /// Of each renderer.
     threads: usize,
+    cels: Cels,
     gallery: Gallery<Failure>,
     painted: AtomicU64,
     tiles: AtomicU64,
@@ -78,7 +80,7 @@ impl<'j> Studio<'j> {
         // Renderers have one thread each, but for a frame alone.
         let threads = if workers > 1 { 1 } else { job.settings.threads };
         let [painted, tiles, rendered] = Default::default();
-        Studio { job, film, shutter, verify, threads, gallery, painted, tiles, rendered }
+        Studio { job, film, shutter, verify, threads, cels: Cels::new(), gallery, painted, tiles, rendered }
     }
 
     pub fn painter(&self) -> Painter {
@@ -96,7 +98,8 @@ impl<'j> Studio<'j> {
     pub fn picture(&self, painter: &mut Painter, frame: &Frame) -> Made<Failure> {
         let made = match (&frame.what, self.film) {
             (What::Drawing(source), _) => self.gallery.picture(&frame.name, |canvas, lenders| {
-                self.paint(painter, (canvas, lenders), &input::read(source)?, &frame.name)
+                let (scene, viewport) = self.drawing(&input::read(source)?, &frame.name)?;
+                self.paint(painter, (canvas, lenders), &scene, &viewport)
             }),
             (&What::At(time), Some(film)) => self.moving(painter, film, time, &frame.name),
             (What::At(_), None) => unreachable!("times are of an animated drawing"),
@@ -116,11 +119,12 @@ impl<'j> Studio<'j> {
         let moves = |time: &f64| film.timeline.document_at(*time) != document;
         match self.moments(time).skip(1).any(|time| moves(&time)) {
             false => self.gallery.picture(&document, |canvas, lenders| {
-                self.paint(painter, (canvas, lenders), document.as_bytes(), name)
+                self.paint(painter, (canvas, lenders), &self.moment(film, time)?, &film.viewport)
             }),
             true => self.gallery.picture(name, |canvas, lenders| {
-                let first = self.paint(painter, (canvas, lenders), document.as_bytes(), name)?;
-                self.blur(painter, film, (first, time), name)
+                let scene = self.moment(film, time)?;
+                let first = self.paint(painter, (canvas, lenders), &scene, &film.viewport)?;
+                self.blur(painter, film, (first, time))
             }),
         }
     }
@@ -131,7 +135,6 @@ impl<'j> Studio<'j> {
         painter: &mut Painter,
         film: &Film,
         (mut first, time): (Canvas, f64),
-        name: &str,
     ) -> Result<Canvas, Failure> {
         let mut exposure = blur::Exposure::new(self.job.settings.linear);
         let mut last = String::new();
@@ -139,7 +142,8 @@ impl<'j> Studio<'j> {
             let document = film.timeline.document_at(time);
             if document != last {
                 let canvas = std::mem::replace(&mut painter.moment, Canvas::new(1, 1));
-                painter.moment = self.paint(painter, (canvas, &[&first]), document.as_bytes(), name)?;
+                let scene = self.moment(film, time)?;
+                painter.moment = self.paint(painter, (canvas, &[&first]), &scene, &film.viewport)?;
                 last = document;
             }
             exposure.add(&first, &painter.moment);
@@ -154,20 +158,19 @@ impl<'j> Studio<'j> {
         (0..samples).map(move |k| time + open * f64::from(k) / f64::from(samples))
     }
 
-    /// Paints what is new in a document onto a canvas.
+    /// Paints what is new in a scene onto a canvas.
     fn paint(
         &self,
         painter: &mut Painter,
         (mut canvas, lenders): (Canvas, &[&Canvas]),
-        bytes: &[u8],
-        name: &str,
+        scene: &Scene,
+        viewport: &Viewport,
     ) -> Result<Canvas, Failure> {
-        let (scene, viewport) = self.scene(bytes, Some(name))?;
         let renderer = match &mut painter.renderer {
             Some(renderer) => renderer,
             none => none.insert(self.renderer()?),
         };
-        let TileCount { all, rendered } = renderer.render_onto(&mut canvas, lenders, &scene, &viewport)?;
+        let TileCount { all, rendered } = renderer.render_onto(&mut canvas, lenders, scene, viewport)?;
         self.painted.fetch_add(1, Ordering::Relaxed);
         self.tiles.fetch_add(all, Ordering::Relaxed);
         self.rendered.fetch_add(rendered, Ordering::Relaxed);
@@ -178,18 +181,33 @@ impl<'j> Studio<'j> {
         Ok(Renderer::new(Settings { threads: self.threads, ..self.job.settings.clone() })?)
     }
 
-    /// A document's scene and viewport; with a `name`, what a drawing calls for and is not drawn is told.
-    fn scene(&self, bytes: &[u8], name: Option<&str>) -> Result<(Scene, Viewport), Failure> {
-        let (tree, unmatched) = load::tree_and_warnings(bytes, &self.job.options)?;
-        let scene = scene(&tree, &self.job.part)?;
-        if let Some(film) = self.film {
-            return Ok((scene, film.viewport));
+    /// What an animated drawing shows at a time.
+    fn moment(&self, film: &Film, time: f64) -> Result<Scene, Failure> {
+        let options = &self.job.options;
+        match &self.job.part {
+            Part::Element { .. } => {
+                let document = film.timeline.document_at(time);
+                scene(&load::tree_from_bytes(document.as_bytes(), options)?, &self.job.part)
+            }
+            Part::Page | Part::Drawing => Ok(film.timeline.scene_at(time, &self.cels, options)?),
         }
-        let viewport = size::viewport(&tree, &self.job.part, self.job.fit, self.job.max_pixels)?;
-        if let Some(name) = name {
-            report::warnings(name, scene.warnings(), self.job.voice);
-            report::warnings(name, &unmatched, self.job.voice);
+    }
+
+    /// What a drawing shows, and its viewport. What it calls for and is not drawn is told.
+    fn drawing(&self, bytes: &[u8], name: &str) -> Result<(Scene, Viewport), Failure> {
+        let RenderJob { options, part, fit, max_pixels, voice, .. } = self.job;
+        if let Some(scene) =
+            Some(part).filter(|part| matches!(part, Part::Page)).and_then(|_| self.cels.scene(bytes, options))
+        {
+            let size = usvg::Size::from_wh(scene.size().width as f32, scene.size().height as f32);
+            let size = size.ok_or_else(|| Failure::input("the drawing has no size"))?;
+            return Ok((scene, size::page(size, *fit, *max_pixels)?));
         }
+        let (tree, unmatched) = load::tree_and_warnings(bytes, options)?;
+        let scene = scene(&tree, part)?;
+        let viewport = size::viewport(&tree, part, *fit, *max_pixels)?;
+        report::warnings(name, scene.warnings(), *voice);
+        report::warnings(name, &unmatched, *voice);
         Ok((scene, viewport))
     }
 
@@ -207,9 +225,14 @@ impl<'j> Studio<'j> {
     /// A frame made from nothing.
     fn whole(&self, frame: &Frame) -> Result<Pixmap, Failure> {
         let mut renderer = self.renderer()?;
+        let RenderJob { options, part, fit, max_pixels, .. } = self.job;
         let mut render = |bytes: &[u8]| {
-            let (scene, viewport) = self.scene(bytes, None)?;
-            Ok::<_, Failure>(renderer.render(&scene, &viewport)?)
+            let tree = load::tree_from_bytes(bytes, options)?;
+            let viewport = match self.film {
+                Some(film) => film.viewport,
+                None => size::viewport(&tree, part, *fit, *max_pixels)?,
+            };
+            Ok::<_, Failure>(renderer.render(&scene(&tree, part)?, &viewport)?)
         };
         let (time, film) = match (&frame.what, self.film) {
             (What::Drawing(source), _) => return render(&input::read(source)?),

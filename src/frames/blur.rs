@@ -21,8 +21,9 @@ pub struct Exposure {
 }
 
 /// Linear light of each byte, in parts of 2^24.
-static LINEAR: LazyLock<[u64; 256]> =
-    LazyLock::new(|| std::array::from_fn(|byte| (f64::from(linear_of_encoded(byte as f32 / 255.0)) * ONE) as u64));
+static LINEAR: LazyLock<[u64; 256]> = LazyLock::new(|| {
+    std::array::from_fn(|byte| (f64::from(linear_of_encoded(byte as f32 / 255.0)) * ONE) as u64)
+});
 
 const ONE: f64 = (1 << 24) as f64;
 

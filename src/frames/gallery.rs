@@ -42,7 +42,8 @@ impl<E> Gallery<E> {
     pub fn picture(&self, key: &str, make: impl FnOnce(Canvas, &[&Canvas]) -> Result<Canvas, E>) -> Made<E> {
         let (wall, canvas, lenders) = self.hang(key);
         let paint = || {
-            let lenders: Vec<&Canvas> = lenders.iter().filter_map(|made| made.as_ref().as_ref().ok()).collect();
+            let lenders: Vec<&Canvas> =
+                lenders.iter().filter_map(|made| made.as_ref().as_ref().ok()).collect();
             Arc::new(make(canvas, &lenders))
         };
         wall.get_or_init(paint).clone()

@@ -7,8 +7,8 @@ use super::{check, Renderer, Viewport};
 use crate::band::band_count;
 use crate::edges::BAND_ROWS;
 use crate::methods::{painter, Painter};
-use crate::scene::print::Print;
 use crate::outlines::{BandLists, Outlines};
+use crate::scene::print::Print;
 use crate::tiles::{self, tile_columns, Origin, Plan, TILE_COLUMNS};
 use crate::{Error, Pixmap, Scene};
 
@@ -121,7 +121,10 @@ impl Renderer {
         };
         let shown = |tile: usize, print: Print| match known.get(tile) == Some(&print) {
             true => Origin::Kept,
-            false => others.iter().position(|c| c.is_like(width, height) && c.shows(tile, print)).map_or(Origin::Rendered, Origin::Copied),
+            false => others
+                .iter()
+                .position(|c| c.is_like(width, height) && c.shows(tile, print))
+                .map_or(Origin::Rendered, Origin::Copied),
         };
         let settings = self.settings.clone();
         let plan = |outlines: &Outlines, lists: &BandLists| {

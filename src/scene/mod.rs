@@ -6,6 +6,7 @@
 pub(crate) mod color_map;
 mod convert;
 pub(crate) mod paint;
+pub(crate) mod parts;
 pub(crate) mod print;
 pub(crate) mod raster;
 
@@ -56,6 +57,8 @@ pub struct Scene {
     pub(crate) clips: Vec<Clip>,
     /// Groups that composite as one; number 0 is the picture itself. Parents stand before children.
     pub(crate) groups: Vec<Group>,
+    /// Of each shape, if they are known already.
+    pub(crate) prints: Vec<print::Print>,
 }
 
 /// One flat region of the drawing: a fill or the outline of a stroke.

@@ -6,7 +6,7 @@
 
 use super::paint::{Gradient, GradientShape, Paint};
 use super::raster::{Mask, Raster, RasterGroup, Source};
-use super::{Clip, FillRule, Geometry, Outline, Scene};
+use super::{Clip, FillRule, Geometry, Outline, Scene, Shape};
 use crate::effects::layer::Layer;
 use kurbo::Rect;
 use std::fmt::Write;
@@ -148,6 +148,22 @@ pub(crate) fn of_clip(clip: &Clip, before: &[Print]) -> Print {
     print
 }
 
+/// Of a shape, but for its group; `clips` are of its scene's clips.
+pub(crate) fn of_shape(shape: &Shape, clips: &[Print]) -> Print {
+    let mut print = of_geometry(&shape.geometry);
+    print.add_print(of_paint(&shape.paint));
+    if let Some(clip) = shape.clip {
+        print.add_print(clips[clip as usize]);
+    }
+    print
+}
+
+/// Of every shape of a scene.
+pub(crate) fn of_shapes(scene: &Scene) -> Vec<Print> {
+    let clips = of_clips(&scene.clips);
+    scene.shapes.iter().map(|shape| of_shape(shape, &clips)).collect()
+}
+
 /// Of what a shape is painted with.
 pub(crate) fn of_paint(paint: &Paint) -> Print {
     let mut print = Print::new(3);
@@ -233,18 +249,13 @@ fn add_group(print: &mut Print, group: &RasterGroup) {
 
 /// Of all that a scene draws, in its own user units.
 fn of_scene(scene: &Scene) -> Print {
-    let clips = of_clips(&scene.clips);
     let mut print = Print::new(5);
     for group in &scene.groups {
         print.add(u64::from(group.parent) << 32 | u64::from(group.opacity.to_bits()));
     }
-    for shape in &scene.shapes {
-        print.add_print(of_geometry(&shape.geometry));
-        print.add_print(of_paint(&shape.paint));
+    for (shape, of_shape) in scene.shapes.iter().zip(of_shapes(scene)) {
+        print.add_print(of_shape);
         print.add(u64::from(shape.group));
-        if let Some(clip) = shape.clip {
-            print.add_print(clips[clip as usize]);
-        }
     }
     print
 }

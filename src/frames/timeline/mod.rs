@@ -14,6 +14,7 @@
 //! | `cascade` | style sheets → the value a property has before it moves |
 //! | `smil`, `css` | all that moves → values at a time |
 //! | `document` | the drawing and values → the document |
+//! | `parts` | the drawing and values → the scene, of which only what moves is parsed anew |
 
 mod cascade;
 mod clock;
@@ -23,6 +24,7 @@ mod easing;
 mod function;
 mod intervals;
 mod motion;
+mod parts;
 mod smil;
 mod transforms;
 mod value;
@@ -30,6 +32,7 @@ mod value;
 #[cfg(test)]
 mod tests;
 
+use super::split::Split;
 use crate::scene::load;
 use crate::{Error, Options};
 use cascade::Cascade;
@@ -38,7 +41,7 @@ use document::{Element, Name, Template, Values};
 use intervals::{Schedule, Timed};
 use smil::{href, Smil};
 use std::collections::{BTreeMap, BTreeSet};
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, OnceLock};
 use usvg::roxmltree::Document;
 
 /// A drawing that moves.
@@ -51,6 +54,8 @@ pub struct Timeline {
     schedule: Mutex<Arc<Schedule>>,
     length: Length,
     unevaluated: Unevaluated,
+    /// The template in pieces, if it can be cut.
+    split: OnceLock<Option<Split>>,
 }
 
 /// How long a drawing moves.
@@ -121,15 +126,20 @@ impl Timeline {
         }
         let length = length(&smil, &css, &schedule);
         let schedule = Mutex::new(Arc::new(schedule));
-        Ok(Timeline { template: Template::new(&xml, &animated), smil, css, schedule, length, unevaluated })
+        let template = Template::new(&xml, &animated);
+        Ok(Timeline { template, smil, css, schedule, length, unevaluated, split: OnceLock::new() })
     }
 
     /// The document that is seen `seconds` after the start, as SVG text.
     pub fn document_at(&self, seconds: f64) -> String {
         let mut values = Values::new();
-        self.smil.values(&self.schedule(seconds), seconds, &mut values);
-        self.css.values(seconds, &mut values);
+        self.values_at(seconds, &mut values);
         self.template.filled(&values)
+    }
+
+    fn values_at(&self, seconds: f64, values: &mut Values) {
+        self.smil.values(&self.schedule(seconds), seconds, values);
+        self.css.values(seconds, values);
     }
 
     /// How long it moves.
