@@ -117,8 +117,8 @@ struct Moment<'s> {
     texts: Vec<String>,
     /// Of each piece's text.
     prints: Vec<Print>,
-    /// Of the tags around the pieces.
-    frame: Print,
+    /// Of what holds inside each start tag: the style sheets, and the tags around.
+    inside: HashMap<usize, Print>,
     /// What pieces with holes link to now.
     links: HashMap<usize, Vec<usize>>,
 }
@@ -132,16 +132,23 @@ impl<'s> Moment<'s> {
         };
         let texts: Vec<String> = split.pieces.iter().map(|piece| text(piece.bytes.clone())).collect();
         let prints: Vec<Print> = texts.iter().map(|text| of_bytes(text.as_bytes())).collect();
-        let mut frame = Print::new(6);
+        let mut sheets = Print::new(6);
+        for (piece, &print) in split.pieces.iter().zip(&prints).filter(|(p, _)| p.role == Role::StyleSheet) {
+            debug_assert!(!piece.has_holes);
+            sheets.add_print(print);
+        }
+        let mut inside = HashMap::new();
         let mut links = HashMap::new();
         for (number, piece) in split.pieces.iter().enumerate() {
-            if piece.role == Role::Frame {
-                frame.add_print(prints[number]);
+            if piece.role == Role::Tag {
+                let mut print = inside.get(&piece.within).copied().unwrap_or(sheets);
+                print.add_print(prints[number]);
+                inside.insert(number, print);
             } else if piece.has_holes {
                 links.insert(number, split.links(&texts[number])?);
             }
         }
-        Some(Moment { split, texts, prints, frame, links })
+        Some(Moment { split, texts, prints, inside, links })
     }
 
     fn of_role(&self, role: Role) -> impl Iterator<Item = usize> + '_ {
@@ -166,9 +173,9 @@ impl<'s> Moment<'s> {
 
     /// Of all that a piece's scene depends on.
     fn print(&self, piece: usize, closure: &BTreeSet<usize>) -> Print {
-        let mut print = self.frame;
+        let mut print = Print::new(7);
         for &piece in std::iter::once(&piece).chain(closure) {
-            print.add(self.split.pieces[piece].within as u64);
+            print.add_print(self.inside[&self.split.pieces[piece].within]);
             print.add_print(self.prints[piece]);
         }
         print
@@ -179,7 +186,7 @@ impl<'s> Moment<'s> {
         let mut text = String::new();
         for (number, piece) in self.split.pieces.iter().enumerate() {
             let around = match piece.role {
-                Role::Frame => ("", ""),
+                Role::Tag | Role::StyleSheet => ("", ""),
                 Role::Drawn if drawn.contains(&number) => (CUT, ""),
                 Role::Linked if linked.contains(&number) => ("", ""),
                 Role::Drawn if linked.contains(&number) => ("<defs>", "</defs>"),

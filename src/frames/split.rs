@@ -41,7 +41,7 @@ const SILENT: &[&str] = &["title", "desc", "metadata"];
 pub(super) struct Piece {
     pub bytes: Range<usize>,
     pub role: Role,
-    /// The number of the group, or `defs`, or drawing, that it stands in.
+    /// The start tag that it stands in; of the drawing's own, itself.
     pub within: usize,
     /// Pieces that its text links to, holes aside.
     pub links: Vec<usize>,
@@ -50,8 +50,9 @@ pub(super) struct Piece {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Role {
-    /// Tags around others, and style sheets.
-    Frame,
+    /// A tag around others.
+    Tag,
+    StyleSheet,
     Linked,
     Drawn,
 }
@@ -88,11 +89,11 @@ impl Split {
         }
         let styles = styles(&xml, injected)?;
         let mut cutter =
-            Cutter { text, holes, styles, pieces: Vec::new(), ids: Vec::new(), frames: 0, homes: Vec::new() };
+            Cutter { text, holes, styles, pieces: Vec::new(), ids: Vec::new(), homes: Vec::new() };
         if cutter.composites(root) {
             return None;
         }
-        cutter.frame(root, 0)?;
+        cutter.frame(root, 0, 0)?;
         let Cutter { mut pieces, ids: framed, homes, .. } = cutter;
         // A style sheet in a piece is one for all.
         let in_piece = |node: Node| homes.iter().any(|(home, _)| node.ancestors().any(|a| a == *home));
@@ -158,7 +159,7 @@ fn styles<'a>(xml: &'a Document<'a>, injected: Option<&'a str>) -> Option<StyleS
     }
     let is_local = |rule: &simplecss::Rule| {
         let links = rule.declarations.iter().any(|declaration| declaration.value.contains("url"));
-        !links && !rule.selector.to_string().contains(['+', '>', '~', ':'])
+        !links && !rule.selector.to_string().contains(['+', '>', ':'])
     };
     styles.rules.iter().all(is_local).then_some(styles)
 }
@@ -171,35 +172,32 @@ struct Cutter<'a> {
     pieces: Vec<Piece>,
     /// Ids of those around others.
     ids: Vec<String>,
-    /// How many of those there are.
-    frames: usize,
     /// Each element that is a piece, and the piece's number.
     homes: Vec<(Node<'a, 'a>, usize)>,
 }
 
 impl<'a> Cutter<'a> {
     /// Cuts what an element holds; `None` if it cannot be told where its tags end.
-    fn frame(&mut self, node: Node<'a, 'a>, depth: usize) -> Option<()> {
+    fn frame(&mut self, node: Node<'a, 'a>, outer: usize, depth: usize) -> Option<()> {
         let (first, last) = (node.first_child()?, node.last_child()?);
-        let within = self.frames;
-        self.frames += 1;
+        let within = self.pieces.len();
         self.ids.extend(node.attribute("id").map(str::to_string));
         // What stands before the drawing belongs to its tag.
         let start = if depth == 0 { 0 } else { node.range().start };
-        self.piece(start..first.range().start, Role::Frame, within);
+        self.piece(start..first.range().start, Role::Tag, outer);
         for child in node.children().filter(Node::is_element) {
             let tag = child.tag_name().name();
             if tag == "style" {
-                self.piece(child.range(), Role::Frame, within);
+                self.piece(child.range(), Role::StyleSheet, within);
             } else if self.is_frame(child, depth) {
-                self.frame(child, depth + 1)?;
+                self.frame(child, within, depth + 1)?;
             } else if !SILENT.contains(&tag) {
                 let linked = LINKED.contains(&tag) || node.tag_name().name() == "defs";
                 self.homes.push((child, self.pieces.len()));
                 self.piece(child.range(), if linked { Role::Linked } else { Role::Drawn }, within);
             }
         }
-        self.piece(last.range().end..node.range().end, Role::Frame, within);
+        self.piece(last.range().end..node.range().end, Role::Tag, within);
         Some(())
     }
 
@@ -243,7 +241,8 @@ mod tests {
         let text = format!(r#"<svg xmlns="http://www.w3.org/2000/svg" width="9" height="9">{content}</svg>"#);
         let split = Split::new(&text, None, &[])?;
         let roles = split.pieces.iter().map(|piece| match piece.role {
-            Role::Frame => 'F',
+            Role::Tag => 'T',
+            Role::StyleSheet => 'S',
             Role::Linked => 'L',
             Role::Drawn => 'D',
         });
@@ -252,12 +251,12 @@ mod tests {
 
     #[test]
     fn drawn_elements_are_pieces_down_to_the_first_that_composites() {
-        let cut = |content| split(content).unwrap();
-        assert_eq!(cut("<path/><title>a</title><g><rect/><circle/></g>"), "FDFDDFF");
-        assert_eq!(cut(r#"<g opacity=".5"><rect/><circle/></g>"#), "FDF");
-        assert_eq!(cut(r#"<g style="filter:none"><rect/></g>"#), "FDF");
-        assert_eq!(cut(r#"<style>.a{mask:none}</style><g class="a"><rect/></g><g><rect/></g>"#), "FFDFDFF");
-        assert_eq!(cut(r#"<defs><g><rect/></g></defs><clipPath/><use/>"#), "FFLFLDF");
+        let cut = |content: &str| split(content).unwrap_or_else(|| panic!("{content}"));
+        assert_eq!(cut("<path/><title>a</title><g><rect/><circle/></g>"), "TDTDDTT");
+        assert_eq!(cut(r#"<g opacity=".5"><rect/><circle/></g>"#), "TDT");
+        assert_eq!(cut(r#"<g style="filter:none"><rect/></g>"#), "TDT");
+        assert_eq!(cut(r#"<style>.a{mask:none}</style><g class="a"><rect/></g><g><rect/></g>"#), "TSDTDTT");
+        assert_eq!(cut(r#"<defs><g><rect/></g></defs><clipPath/><use/>"#), "TTLTLDT");
     }
 
     #[test]
