@@ -21,12 +21,9 @@ pub fn drawing() -> String {
         let near = leaf as f64 / LEAVES as f64;
         let (x, y) = (random.within(0.0, WIDTH), 300.0 + 700.0 * near + random.within(-60.0, 60.0));
         let radius = random.within(10.0, 30.0 + 60.0 * near);
-        let green = 150.0 - 80.0 * near + random.within(0.0, 40.0);
+        let fill = random.pick(&["#385", "#496", "#2a5", "#573", "#7a4"]);
         let path = blob(&mut random, x, y, radius);
-        let _ = write!(
-            svg,
-            r##"<path d="{path}" fill="rgb(50,{green:.0},60)" stroke="#222" stroke-width="1.5"/>"##
-        );
+        let _ = write!(svg, r##"<path d="{path}" fill="{fill}" stroke="#222" stroke-width="1.5"/>"##);
     }
     let body = blob(&mut random, 0.0, 0.0, 80.0);
     let leg = |from: f64, x: f64| {
@@ -47,9 +44,10 @@ pub fn drawing() -> String {
 
 /// A closed smooth curve around a point (Catmull-Rom, as cubic Béziers), as path data.
 fn blob(random: &mut Random, x: f64, y: f64, radius: f64) -> String {
-    let points: Vec<(f64, f64)> = (0..14)
+    let count = 12 + random.below(5);
+    let points: Vec<(f64, f64)> = (0..count)
         .map(|i| {
-            let (sin, cos) = (TAU * f64::from(i) / 14.0).sin_cos();
+            let (sin, cos) = (TAU * i as f64 / count as f64).sin_cos();
             let r = radius * random.within(0.75, 1.25);
             (x + r * cos, y + r * sin)
         })

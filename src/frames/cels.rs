@@ -114,7 +114,7 @@ impl Shelf {
 /// A drawing in pieces, as it is at one moment.
 struct Moment<'s> {
     split: &'s Split,
-    texts: Vec<String>,
+    fill: &'s Fill<'s>,
     /// Of each piece's text.
     prints: Vec<Print>,
     /// Of what holds inside each start tag: the style sheets, and the tags around.
@@ -124,31 +124,32 @@ struct Moment<'s> {
 }
 
 impl<'s> Moment<'s> {
-    fn new(split: &'s Split, fill: &Fill) -> Option<Moment<'s>> {
-        let text = |bytes: Range<usize>| {
-            let mut text = String::new();
-            fill(bytes, &mut text);
-            text
-        };
-        let texts: Vec<String> = split.pieces.iter().map(|piece| text(piece.bytes.clone())).collect();
-        let prints: Vec<Print> = texts.iter().map(|text| of_bytes(text.as_bytes())).collect();
-        let mut sheets = Print::new(6);
-        for (piece, &print) in split.pieces.iter().zip(&prints).filter(|(p, _)| p.role == Role::StyleSheet) {
-            debug_assert!(!piece.has_holes);
-            sheets.add_print(print);
-        }
-        let mut inside = HashMap::new();
+    fn new(split: &'s Split, fill: &'s Fill<'s>) -> Option<Moment<'s>> {
         let mut links = HashMap::new();
+        let mut prints = Vec::with_capacity(split.pieces.len());
+        let mut text = String::new();
         for (number, piece) in split.pieces.iter().enumerate() {
-            if piece.role == Role::Tag {
-                let mut print = inside.get(&piece.within).copied().unwrap_or(sheets);
-                print.add_print(prints[number]);
-                inside.insert(number, print);
-            } else if piece.has_holes {
-                links.insert(number, split.links(&texts[number])?);
-            }
+            let print = match piece.print {
+                Some(print) => print,
+                None => {
+                    text.clear();
+                    fill(piece.bytes.clone(), &mut text);
+                    links.insert(number, split.links(&text)?);
+                    of_bytes(text.as_bytes())
+                }
+            };
+            prints.push(print);
         }
-        Some(Moment { split, texts, prints, inside, links })
+        let of_role = |role| split.pieces.iter().enumerate().filter(move |(_, piece)| piece.role == role);
+        let mut sheets = Print::new(6);
+        of_role(Role::StyleSheet).for_each(|(number, _)| sheets.add_print(prints[number]));
+        let mut inside = HashMap::new();
+        for (number, piece) in of_role(Role::Tag) {
+            let mut print = inside.get(&piece.within).copied().unwrap_or(sheets);
+            print.add_print(prints[number]);
+            inside.insert(number, print);
+        }
+        Some(Moment { split, fill, prints, inside, links })
     }
 
     fn of_role(&self, role: Role) -> impl Iterator<Item = usize> + '_ {
@@ -193,7 +194,7 @@ impl<'s> Moment<'s> {
                 _ => continue,
             };
             text.push_str(around.0);
-            text.push_str(&self.texts[number]);
+            (self.fill)(piece.bytes.clone(), &mut text);
             text.push_str(around.1);
         }
         text

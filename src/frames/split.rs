@@ -4,6 +4,7 @@
 
 use crate::scene::load::Styled;
 use crate::scene::parts::CUT_ID;
+use crate::scene::print::{of_bytes, Print};
 use simplecss::{DeclarationTokenizer, StyleSheet};
 use std::collections::HashMap;
 use std::ops::Range;
@@ -45,7 +46,8 @@ pub(super) struct Piece {
     pub within: usize,
     /// Pieces that its text links to, holes aside.
     pub links: Vec<usize>,
-    pub has_holes: bool,
+    /// Of its text; `None` if that has holes.
+    pub print: Option<Print>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -202,8 +204,8 @@ impl<'a> Cutter<'a> {
     }
 
     fn piece(&mut self, bytes: Range<usize>, role: Role, within: usize) {
-        let has_holes = self.has_holes(&bytes);
-        self.pieces.push(Piece { bytes, role, within, links: Vec::new(), has_holes });
+        let print = (!self.has_holes(&bytes)).then(|| of_bytes(&self.text.as_bytes()[bytes.clone()]));
+        self.pieces.push(Piece { bytes, role, within, links: Vec::new(), print });
     }
 
     fn has_holes(&self, bytes: &Range<usize>) -> bool {

@@ -466,7 +466,7 @@ fn stroke_outline(stroke: &usvg::Stroke) -> Outline {
         .with_join(join)
         .with_caps(cap)
         .with_miter_limit(stroke.miterlimit().get().into());
-    Outline::Stroke(Box::new(match stroke.dasharray() {
+    Outline::Stroke(Arc::new(match stroke.dasharray() {
         Some(dashes) => pen.with_dashes(stroke.dashoffset().into(), dashes.iter().map(|&d| f64::from(d))),
         None => pen,
     }))

@@ -105,7 +105,7 @@ pub(crate) enum Outline {
     /// The inside, by this rule.
     Fill(FillRule),
     /// The line along it; widths and dashes in the path's coordinates.
-    Stroke(Box<kurbo::Stroke>),
+    Stroke(Arc<kurbo::Stroke>),
     /// All pixels that the path's bounds touch.
     Pixels,
 }
