@@ -300,14 +300,19 @@ impl Shoot {
         };
         let sink = |n: usize, made: Result<Made<Failure>, Failure>| {
             let name = &self.frames[n].name;
-            let (added, ok) = match made.as_deref() {
-                Ok(Ok(canvas)) => (reel.add(canvas.picture()), true),
-                Ok(Err(failure)) | Err(failure) => {
+            let failed = match &made {
+                Ok(frame) => frame.as_ref().as_ref().err(),
+                Err(failure) => Some(failure),
+            };
+            let (added, ok) = match (&made, failed) {
+                (Ok(frame), None) => (reel.add(frame), true),
+                (_, Some(failure)) => {
                     progress.clear();
                     report::failure(name, failure);
                     failures.push(failure.clone());
                     (reel.repeat(), false)
                 }
+                (Err(_), None) => unreachable!("a failure is one"),
             };
             progress.tick(name, ok && added.is_ok());
             stopped = added.err();
