@@ -162,7 +162,8 @@ impl Artist<'_> {
             Source::Image { pixels, nearest } => texture::drawn(pixels, to_pixels, rect, *nearest),
             Source::Tiles(tile, place) => self.tiles((tile, *place), to_pixels, rect)?,
         };
-        if let Source::Group(RasterGroup { blend_mode, .. }) = raster.source {
+        if let Source::Group(group) = &raster.source {
+            let blend_mode = group.blend_mode;
             if blend_mode != usvg::BlendMode::Normal {
                 self.blend(blend_mode, &mut layer, before)?;
             }

@@ -217,12 +217,12 @@ impl Walk {
         }
         let mask = group.mask().map(|mask| self.mask(mask)).transpose()?;
         let bounds = rect(group.layer_bounding_box());
-        let source = Source::Group(RasterGroup {
+        let source = Source::Group(Box::new(RasterGroup {
             content,
             filters: group.filters().to_vec(),
             mask,
             blend_mode: group.blend_mode(),
-        });
+        }));
         let opacity = group.opacity().get();
         let raster = Raster { source, transform: place.transform, bounds, opacity };
         let geometry = Geometry { outline: Outline::Pixels, ..Geometry::of_rect(bounds, place.transform) };
