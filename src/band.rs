@@ -17,6 +17,7 @@ use crate::pixel::resolve::Surroundings;
 use crate::polygons::Flattener;
 use crate::scene::paint::{Paint, Sheet};
 use crate::scene::{ClipId, GroupId, Scene};
+use crate::tiles::Plan;
 use crate::zlist::Entry;
 use kurbo::Affine;
 use std::sync::Arc;
@@ -34,6 +35,8 @@ pub(crate) struct Picture<'a> {
     pub to_pixels: Affine,
     pub tolerance: f64,
     pub width: u32,
+    /// Which tiles are to be rendered; `None` for all.
+    pub plan: Option<&'a Plan>,
 }
 
 /// Renders bands one after the other, keeping fragments as `C` does; each thread has its own.
@@ -277,6 +280,9 @@ impl<C: Coverage> BandPainter for BandRenderer<C> {
         self.open.clear();
         self.open.push(0);
         self.cels[0].clear();
+        if let Some(plan) = picture.plan {
+            self.cels[0].keep(|word| plan.leaves_word(band, word));
+        }
         for &shape in picture.bands.band(band) {
             self.shape(picture, band, shape, &mut rows);
         }
@@ -284,6 +290,10 @@ impl<C: Coverage> BandPainter for BandRenderer<C> {
         self.lap(|_| None);
         self.finish(picture, rows);
         self.lap(|laps| Some(&mut laps.resolve));
+    }
+
+    fn keeps_tiles(&self) -> bool {
+        true
     }
 
     fn time_stages(&mut self) {

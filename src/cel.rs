@@ -125,6 +125,15 @@ impl Cel {
         self.listed.clear();
     }
 
+    /// Takes for finished the pixels of those words of a row which `stands` says are in the picture already.
+    pub fn keep(&mut self, stands: impl Fn(usize) -> bool) {
+        for word in (0..self.finished.words()).filter(|&word| stands(word)) {
+            for row in 0..BAND_ROWS as usize {
+                self.finished.row_mut(row)[word] = u64::MAX;
+            }
+        }
+    }
+
     /// Makes it the cel of a group inside `parent`: what is finished there needs nothing here.
     pub fn open_in(&mut self, parent: &Cel, opacity: f32) {
         self.clear();

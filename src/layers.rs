@@ -10,9 +10,12 @@ use crate::effects::filter::{self, Job};
 use crate::effects::highlights::Aliasing;
 use crate::effects::layer::{between, IntRect, Layer, Pixel, Space, CLEAR};
 use crate::effects::mask;
+use crate::outlines::Outlines;
 use crate::scene::paint::{Paint, Shader};
+use crate::scene::print::{self, Print};
 use crate::scene::raster::{Mask, Raster, RasterGroup, Source};
 use crate::scene::{Clip, ClipMember, Geometry, Scene, Shape};
+use crate::tiles::{self, Plan};
 use crate::{texture, Error, Renderer, Settings, Viewport};
 use kurbo::{Affine, Point, Rect, Vec2};
 use std::cell::Cell;
@@ -36,8 +39,58 @@ const MOST_TILED_SHAPES: f64 = 16384.0;
 /// A tile that is copied is made in no more pixels than this a side.
 const LARGEST_TILE: f64 = 2048.0;
 
+/// Pixels of the layers that are kept from one picture to the next: 512 MB.
+const MOST_KEPT: u64 = 1 << 25;
+
+/// Layers of the last picture, by what they were made from.
+#[derive(Default)]
+pub(crate) struct KeptLayers(Vec<(Print, Arc<Layer>)>);
+
+/// What is wanted of the layers where only some tiles are rendered.
+pub(crate) struct Wanted<'a> {
+    pub plan: &'a Plan,
+    pub outlines: &'a Outlines<'a>,
+    pub kept: &'a mut KeptLayers,
+}
+
+impl Wanted<'_> {
+    /// Whether each shape's shader will be asked for.
+    fn shapes(&self, scene: &Scene) -> Vec<bool> {
+        let bounds = self.outlines.shapes.iter().map(|outline| outline.bounds);
+        let mut wanted: Vec<bool> = bounds.map(|b| b.is_some_and(|b| self.plan.renders(b))).collect();
+        // What blends looks at all that lies below it.
+        let blends = |(shape, wanted): (&Shape, &bool)| *wanted && is_blend(&shape.paint);
+        if let Some(last) = scene.shapes.iter().zip(&wanted).rposition(blends) {
+            wanted[..last].fill(true);
+        }
+        wanted
+    }
+}
+
+impl KeptLayers {
+    /// Keeps the layers of a new picture, and as many of those before as there is room for.
+    fn take(&mut self, new: KeptLayers) {
+        let old = std::mem::replace(self, new);
+        let is_new = |print: Print| self.0.iter().any(|(other, _)| *other == print);
+        let mut old: Vec<_> = old.0.into_iter().filter(|(print, _)| !is_new(*print)).collect();
+        self.0.append(&mut old);
+        let mut pixels = 0;
+        self.0.retain(|(_, layer)| {
+            pixels += layer.rect().area();
+            pixels <= MOST_KEPT
+        });
+    }
+}
+
+fn is_blend(paint: &Paint) -> bool {
+    let Paint::Raster(raster) = paint else { return false };
+    let Source::Group(group) = &raster.source else { return false };
+    group.blend_mode != usvg::BlendMode::Normal
+}
+
 /// The shader of every shape that has one; empty for a scene of flat paint. And, where stages are timed,
-/// what aliases of the highlights of this scene's own filters.
+/// what aliases of the highlights of this scene's own filters. Where only some are `wanted`, the others have
+/// none, and layers that were made for the last picture are not made again.
 ///
 /// # Errors
 /// [`Error::Limit`] when layers would hold too many pixels.
@@ -46,6 +99,7 @@ pub(crate) fn shaders<'a>(
     viewport: &Viewport,
     settings: &Settings,
     work: Option<&Work>,
+    mut wanted: Option<Wanted>,
 ) -> Result<(Vec<Option<Shader<'a>>>, Option<Aliasing>), Error> {
     if scene.shapes.iter().all(|shape| matches!(shape.paint, Paint::Flat(_))) {
         return Ok((Vec::new(), None));
@@ -54,16 +108,33 @@ pub(crate) fn shaders<'a>(
     let mut artist =
         Artist { scene, viewport, settings, pixels: 0, work: work.cloned().unwrap_or_default(), aliasing };
     let mut shaders = Vec::with_capacity(scene.shapes.len());
-    for shape in &scene.shapes {
+    let shapes = wanted.as_ref().map(|wanted| wanted.shapes(scene));
+    let mut kept = KeptLayers::default();
+    for (number, shape) in scene.shapes.iter().enumerate() {
         let shader = match &shape.paint {
             Paint::Flat(_) => None,
+            _ if shapes.as_ref().is_some_and(|wanted| !wanted[number]) => None,
             Paint::Gradient(gradient) => Some(Shader::Gradient(gradient.shader(viewport.transform))),
             Paint::Layer(layer, by) => Some(Shader::Layer(layer.clone(), *by)),
             Paint::Raster(raster) => {
-                Some(Shader::Layer(Arc::new(artist.layer(raster, shape, &shaders)?), (0, 0)))
+                let made = wanted.as_ref().filter(|_| !is_blend(&shape.paint)).map(|wanted| {
+                    let print = artist.print(raster, shape);
+                    (print, wanted.kept.0.iter().find(|(other, _)| *other == print).map(|(_, l)| l.clone()))
+                });
+                let layer = match &made {
+                    Some((_, Some(layer))) => layer.clone(),
+                    _ => Arc::new(artist.layer(raster, shape, &shaders)?),
+                };
+                if let Some((print, _)) = made {
+                    kept.0.push((print, layer.clone()));
+                }
+                Some(Shader::Layer(layer, (0, 0)))
             }
         };
         shaders.push(shader);
+    }
+    if let Some(wanted) = &mut wanted {
+        wanted.kept.take(kept);
     }
     Ok((shaders, artist.aliasing.get()))
 }
@@ -107,7 +178,8 @@ impl Artist<'_> {
             Source::Image { pixels, nearest } => texture::drawn(pixels, to_pixels, rect, *nearest),
             Source::Tiles(tile, place) => self.tiles((tile, *place), to_pixels, rect)?,
         };
-        if let Source::Group(RasterGroup { blend_mode, .. }) = raster.source {
+        if let Source::Group(group) = &raster.source {
+            let blend_mode = group.blend_mode;
             if blend_mode != usvg::BlendMode::Normal {
                 self.blend(blend_mode, &mut layer, before)?;
             }
@@ -117,6 +189,16 @@ impl Artist<'_> {
             layer.pixels_mut().iter_mut().flatten().for_each(|v| *v *= opacity);
         }
         Ok(layer)
+    }
+
+    /// Of all that a layer is made from, if it does not blend.
+    fn print(&self, raster: &Raster, shape: &Shape) -> Print {
+        let mut print = tiles::of_setup(self.viewport, self.settings);
+        print.add_print(print::of_raster(raster));
+        if matches!(raster.source, Source::Tiles(..)) {
+            print.add_print(print::of_geometry(&shape.geometry));
+        }
+        print
     }
 
     /// Draws a scene over a rectangle of pixels.

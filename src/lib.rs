@@ -11,6 +11,7 @@
 //! | `effects` | layers of pixels → filtered, blended, masked ones |
 //! | `texture` | an image at a scale → a layer |
 //! | `outlines` | scene + viewport → outlines with bounds, sorted into bands; flattened when first needed |
+//! | `tiles` | what each tile of a picture sees → which tiles another picture shows already |
 //! | `pen`, `polygons` | strokes → outlines; curves → chords |
 //! | `edges` | polygons → edges in fixed point, sorted in y |
 //! | `band` | the shapes that meet one band, front to back → its pixels, by the stages below |
@@ -23,7 +24,7 @@
 //! | `pixel` | a pixel's z-list → visible regions and their areas (Catmull's integrator) → colour |
 //! | [`pixmap`] | rows of pixels → [`Pixmap`] |
 //! | [`encode`] | rows of pixels → PNG; frames → APNG, GIF, Y4M, sprite sheets |
-//! | [`frames`] | a drawing that moves → the document at any time, frames in order |
+//! | [`frames`] | a drawing that moves → the document or the scene at any time, frames in order, what stands still made once |
 //! | [`mod@reference`] | the same drawing computed another way, slowly: the truth the tests compare with |
 //! | [`mod@compare`] | a drawing → what each method gets wrong on it, and what it costs; a page to look at |
 //!
@@ -65,6 +66,8 @@ mod effects;
 mod texture;
 
 mod outlines;
+
+mod tiles;
 
 mod pen;
 

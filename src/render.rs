@@ -6,15 +6,20 @@
 //! ([`crate::sweep`]), keep what is seen in z-lists ([`crate::cel`]), and resolve those
 //! ([`crate::pixel`]). Bands come out from the top.
 
+mod reuse;
+
+pub use reuse::{Canvas, TileCount};
+
 use crate::band::{band_count, Laps, Picture};
 use crate::cel::Rows;
 use crate::edges::{BAND_ROWS, LARGEST_SIDE};
 use crate::effects::highlights::Highlights;
-use crate::layers;
+use crate::layers::{self, KeptLayers, Wanted};
 use crate::methods::{painter, BandPainter, Method, Painter, PicturePainter};
 use crate::outlines::{BandLists, Outlines};
 use crate::pixel::resolve::Surroundings;
 use crate::scene::paint::Sheet;
+use crate::tiles::Plan;
 use crate::{Error, Pixmap, Scene};
 use rayon::prelude::*;
 use std::sync::Mutex;
@@ -110,6 +115,8 @@ pub struct Renderer {
     /// Idle painters for pictures of this size.
     idle: Mutex<Vec<Box<dyn BandPainter>>>,
     size: (u32, u32),
+    /// Layers of the last picture rendered onto a canvas.
+    layers: KeptLayers,
     stages: Stages,
     /// Where this draws a layer's content: what all layers of the whole picture have cost so far.
     work: Option<layers::Work>,
@@ -146,6 +153,7 @@ impl Renderer {
             pool,
             idle: Mutex::default(),
             size: (0, 0),
+            layers: KeptLayers::default(),
             stages: Stages::default(),
             work: None,
         })
@@ -192,10 +200,16 @@ impl Renderer {
             return self.whole(paint, scene, viewport, buffer, stride);
         }
         let bands = band_count(height);
-        self.prepare(scene, viewport, |renderer, picture, _| {
-            renderer.bands(picture, height, 0..bands, buffer, stride);
-            Ok(())
-        })
+        self.prepare(
+            scene,
+            viewport,
+            |_, _| None,
+            |renderer, picture, _| {
+                renderer.bands(picture, height, 0..bands, buffer, stride);
+                Ok(())
+            },
+        )
+        .map(drop)
     }
 
     /// Renders band by band, from the top: `sink` is given each time some whole rows without padding,
@@ -219,15 +233,21 @@ impl Renderer {
         let bands = band_count(height);
         let mut buffer = vec![0; stride * (at_once * BAND_ROWS as usize).min(height as usize)];
         let mut first = 0;
-        self.prepare(scene, viewport, |renderer, picture, more| {
-            let last = (first + at_once).min(bands);
-            let rows = (last * BAND_ROWS as usize).min(height as usize) - first * BAND_ROWS as usize;
-            renderer.bands(picture, height, first..last, &mut buffer[..rows * stride], stride);
-            sink(&buffer[..rows * stride])?;
-            first = last;
-            *more = (first < bands).then_some(first);
-            Ok(())
-        })
+        self.prepare(
+            scene,
+            viewport,
+            |_, _| None,
+            |renderer, picture, more| {
+                let last = (first + at_once).min(bands);
+                let rows = (last * BAND_ROWS as usize).min(height as usize) - first * BAND_ROWS as usize;
+                renderer.bands(picture, height, first..last, &mut buffer[..rows * stride], stride);
+                sink(&buffer[..rows * stride])?;
+                first = last;
+                *more = (first < bands).then_some(first);
+                Ok(())
+            },
+        )
+        .map(drop)
     }
 
     /// Time and work of each stage of the last picture.
@@ -263,19 +283,23 @@ impl Renderer {
         Ok(())
     }
 
-    /// Places the scene's outlines, then calls `part` until it no longer says from which band on there
-    /// is more to do.
+    /// Places the scene's outlines, asks `plan` which tiles are to be rendered, then calls `part` until it
+    /// no longer says from which band on there is more to do.
     fn prepare(
         &mut self,
         scene: &Scene,
         viewport: &Viewport,
+        plan: impl FnOnce(&Outlines, &BandLists) -> Option<Plan>,
         mut part: impl FnMut(&Renderer, &Picture, &mut Option<usize>) -> Result<(), Error>,
-    ) -> Result<(), Error> {
+    ) -> Result<Option<Plan>, Error> {
         let start = Instant::now();
         self.resize(viewport);
         let mut outlines = Outlines::new(scene, viewport, self.settings.method.is_jagged());
         let bands = BandLists::new(&outlines.shapes, viewport.height);
-        let (shaders, aliasing) = layers::shaders(scene, viewport, &self.settings, self.work.as_ref())?;
+        let plan = plan(&outlines, &bands);
+        let wanted = plan.as_ref().map(|plan| Wanted { plan, outlines: &outlines, kept: &mut self.layers });
+        let (shaders, aliasing) =
+            layers::shaders(scene, viewport, &self.settings, self.work.as_ref(), wanted)?;
         let background = self.settings.background.map_or(Sheet::CLEAR, |[r, g, b, a]| {
             Sheet::new([r, g, b].map(|c| f32::from(c) / 255.0), f32::from(a) / 255.0)
         });
@@ -292,6 +316,7 @@ impl Renderer {
                 to_pixels: viewport.transform,
                 tolerance: self.tolerance(),
                 width: viewport.width,
+                plan: plan.as_ref(),
             };
             part(self, &picture, &mut more)?;
             if let Some(band) = more {
@@ -311,7 +336,7 @@ impl Renderer {
                 [("highlight_pixels_aliasing", aliasing.pixels as u64), ("highlight_samples_a_side", cure)];
             self.stages.counts.extend(found);
         }
-        Ok(())
+        Ok(plan)
     }
 
     /// The flattening tolerance: a dark mean of linear light errs more once it is encoded.
@@ -340,6 +365,9 @@ impl Renderer {
     ) {
         let (width, first, timed) = (picture.width, bands.start, self.settings.stage_times);
         let render = |renderer: &mut dyn BandPainter, (i, bytes): (usize, &mut [u8])| {
+            if picture.plan.is_some_and(|plan| plan.leaves(first + i)) {
+                return;
+            }
             let top = (first + i) as u32 * BAND_ROWS;
             let count = (height - top).min(BAND_ROWS) as usize;
             if timed {

@@ -3,25 +3,25 @@
 
 use super::movie::{Look, Reel};
 use super::output::Output;
+use super::painting::{scene, Film, Frame, Painter, Shutter, Studio, What};
 use super::perf::SequencePerf;
-use super::places::{Source, Target};
+use super::places::Target;
 use super::render::RenderJob;
 use super::report::{self, Failure, Progress};
 use super::sequence::{Destination, Numbered, Origin};
-use super::size::{self, Part};
+use super::size;
 use super::values::{self, Format, YuvChoice};
 use super::{input, render, temporary};
 use std::io::Write;
 use std::process::ExitCode;
-use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::Arc;
 use std::time::Instant;
 use toon_raster::encode::{Layout, PngWriter, Rate};
+use toon_raster::frames::gallery::Made;
 use toon_raster::frames::list::FrameList;
-use toon_raster::frames::sequence::{in_order, Cels, AHEAD};
-use toon_raster::frames::{blur, Timeline};
+use toon_raster::frames::sequence::in_order;
+use toon_raster::frames::Timeline;
 use toon_raster::scene::load;
-use toon_raster::{usvg, Error, Pixmap, Renderer, Scene, Settings, Viewport};
+use toon_raster::{Error, Pixmap, Viewport};
 
 /// The options of sequences.
 #[derive(clap::Args, Debug)]
@@ -57,6 +57,9 @@ pub struct SequenceOptions {
     /// Moments that a blurred frame is the mean of
     #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..=4096))]
     pub shutter_samples: u32,
+    /// Render each frame also without reusing what others show, and fail if a byte differs
+    #[arg(long)]
+    pub verify_reuse: bool,
 }
 
 impl SequenceOptions {
@@ -68,6 +71,7 @@ impl SequenceOptions {
             || self.skip_existing
             || self.sheet.is_some()
             || self.shutter.is_some()
+            || self.verify_reuse
     }
 
     /// Whether they ask for no more than one frame.
@@ -86,31 +90,17 @@ pub struct FramesJob {
     pub start_number: u64,
 }
 
-/// One frame to be made.
-struct Frame {
-    number: u64,
-    /// For messages.
-    name: String,
-    what: What,
-}
-
 /// What became of a frame that did not fail.
 enum Done {
     Made,
     WasThere,
 }
 
-enum What {
-    /// The animated drawing at this many seconds.
-    At(f64),
-    Drawing(Source),
-}
-
 /// Does it.
 pub fn run(job: FramesJob) -> ExitCode {
     let name = job.origin.name();
-    render::on_a_deep_stack(|| match report::catching(|| Studio::open(job)) {
-        Ok(studio) => studio.run(),
+    render::on_a_deep_stack(|| match report::catching(|| Shoot::open(job)) {
+        Ok(shoot) => shoot.run(),
         Err(failure) => {
             report::failure(&name, &failure);
             report::exit_code(1, &[failure])
@@ -118,31 +108,26 @@ pub fn run(job: FramesJob) -> ExitCode {
     })
 }
 
-/// All that the threads share.
-struct Studio {
+/// A sequence of which all frames are known.
+struct Shoot {
     job: FramesJob,
     frames: Vec<Frame>,
     rate: Rate,
-    timeline: Option<Timeline>,
-    /// Of an animated drawing: the same for all frames, whatever moves.
-    viewport: Option<Viewport>,
-    cels: Cels<Arc<Result<Pixmap, Failure>>>,
+    film: Option<Film>,
     threads: usize,
     started: Instant,
-    /// Pictures that were painted; the others were there already.
-    painted: AtomicU64,
 }
 
-impl Studio {
+impl Shoot {
     /// Reads what is to be read first, and lists the frames.
-    fn open(mut job: FramesJob) -> Result<Studio, Failure> {
+    fn open(mut job: FramesJob) -> Result<Shoot, Failure> {
         let started = Instant::now();
         let rate = job.options.fps.unwrap_or(Rate { frames: 24, seconds: 1 });
         if let Some(folder) = &job.picture.plan.folder {
             std::fs::create_dir_all(folder)
                 .map_err(|e| Failure::io(format!("the folder {} cannot be made: {e}", folder.display())))?;
         }
-        let (mut timeline, mut viewport) = (None, None);
+        let mut film = None;
         let frames = match &job.origin {
             Origin::Animated(source) => {
                 let name = source.name();
@@ -150,10 +135,10 @@ impl Studio {
                 let picture = &mut job.picture;
                 picture.options.usvg.resources_dir =
                     picture.resources_dir.clone().or_else(|| render::folder_of(source));
-                let read = Timeline::read(&bytes, &picture.options)?;
-                viewport = Some(first_look(&read, &name, picture)?);
-                let count = read.length().frames(rate.fps());
-                timeline = Some(read);
+                let timeline = Timeline::read(&bytes, &picture.options)?;
+                let viewport = first_look(&timeline, &name, picture)?;
+                let count = timeline.length().frames(rate.fps());
+                film = Some(Film { timeline, viewport });
                 sampled(&job, &name, count, rate)?
             }
             Origin::Files(files) => {
@@ -173,44 +158,43 @@ impl Studio {
             return Err(Failure::input("no frame of it is in --frames"));
         }
         let threads = render::threads(&job.picture.settings);
-        let cels = Cels::new((AHEAD + 1) * threads);
-        let painted = AtomicU64::new(0);
-        Ok(Studio { job, frames, rate, timeline, viewport, cels, threads, started, painted })
+        Ok(Shoot { job, frames, rate, film, threads, started })
     }
 
     fn run(self) -> ExitCode {
         let mut progress = Progress::new(self.job.picture.progress, self.frames.len());
+        let options = &self.job.options;
+        let samples = options.shutter_samples;
+        let open = |degrees: f64| Shutter { open: degrees / 360.0 / self.rate.fps(), samples };
+        let shutter = options.shutter.map(open);
+        let workers = self.threads.min(self.frames.len());
+        let studio =
+            Studio::new(&self.job.picture, self.film.as_ref(), shutter, options.verify_reuse, workers);
         let (failures, made) = match &self.job.destination {
-            Destination::One(target) => self.to_one(target, &mut progress),
-            _ => (self.to_files(&mut progress), true),
+            Destination::One(target) => self.to_one(&studio, target, &mut progress),
+            _ => (self.to_files(&studio, &mut progress), true),
         };
         progress.clear();
         if let Some(style) = self.job.picture.perf {
-            self.perf().print(style);
+            self.perf(&studio).print(style);
         }
         // Without a file, all frames are lost with the one that failed.
         report::exit_code(if made { self.frames.len() } else { failures.len() }, &failures)
     }
 
-    fn perf(&self) -> SequencePerf {
+    fn perf(&self, studio: &Studio) -> SequencePerf {
         SequencePerf {
             input: self.job.origin.name(),
             frames: self.frames.len(),
-            painted: self.painted.load(Ordering::Relaxed),
+            work: studio.work(),
             threads: self.threads,
             total: self.started.elapsed(),
         }
     }
 
-    /// Renderers with one thread each, but for a frame alone.
-    fn renderer(&self) -> Option<Renderer> {
-        let threads = if self.frames.len() > 1 { 1 } else { self.job.picture.settings.threads };
-        Renderer::new(Settings { threads, ..self.job.picture.settings.clone() }).ok()
-    }
-
-    fn to_files(&self, progress: &mut Progress) -> Vec<Failure> {
-        let make = |renderer: &mut Option<Renderer>, n: usize| {
-            report::catching(|| self.to_file(renderer, &self.frames[n]))
+    fn to_files(&self, studio: &Studio, progress: &mut Progress) -> Vec<Failure> {
+        let make = |painter: &mut Painter, n: usize| {
+            report::catching(|| self.to_file(studio, painter, &self.frames[n]))
         };
         let mut failures = Vec::new();
         let sink = |n: usize, done: Result<Done, Failure>| {
@@ -230,7 +214,7 @@ impl Studio {
             }
             true
         };
-        let done = in_order(self.frames.len(), self.threads, || self.renderer(), make, sink);
+        let done = in_order(self.frames.len(), self.threads, || studio.painter(), make, sink);
         failures.extend(done.err().map(|e| Failure::io(format!("no thread can be started: {e}"))));
         failures
     }
@@ -254,15 +238,15 @@ impl Studio {
         }
     }
 
-    fn to_file(&self, renderer: &mut Option<Renderer>, frame: &Frame) -> Result<Done, Failure> {
+    fn to_file(&self, studio: &Studio, painter: &mut Painter, frame: &Frame) -> Result<Done, Failure> {
         let target = self.target(frame);
         if self.job.options.skip_existing && exists(&target) {
             return Ok(Done::WasThere);
         }
-        let picture = self.picture(renderer, frame);
-        let picture = picture.as_ref().as_ref().map_err(Clone::clone)?;
+        let made = studio.picture(painter, frame);
+        let canvas = made.as_ref().as_ref().map_err(Clone::clone)?;
         let mut output = Output::create(&target)?;
-        self.write(&mut output, picture).map_err(|e| match e {
+        self.write(&mut output, canvas.picture()).map_err(|e| match e {
             Error::Io(e) => output.failure(&e),
             other => other.into(),
         })?;
@@ -284,7 +268,7 @@ impl Studio {
     }
 
     /// What failed, and whether the file was made all the same.
-    fn to_one(&self, target: &Target, progress: &mut Progress) -> (Vec<Failure>, bool) {
+    fn to_one(&self, studio: &Studio, target: &Target, progress: &mut Progress) -> (Vec<Failure>, bool) {
         let mut failures = Vec::new();
         if self.frames.is_empty() || (self.job.options.skip_existing && exists(target)) {
             return (failures, true);
@@ -292,10 +276,11 @@ impl Studio {
         // Whose fault it is if no file is made.
         let mut name = self.job.origin.name();
         let done = Output::create(target).and_then(|mut output| {
-            let size = self.shoot(&mut output, progress, &mut failures, &mut name).map_err(|e| match e {
-                Error::Io(e) => output.failure(&e),
-                other => other.into(),
-            })?;
+            let size =
+                self.shoot(studio, &mut output, progress, &mut failures, &mut name).map_err(|e| match e {
+                    Error::Io(e) => output.failure(&e),
+                    other => other.into(),
+                })?;
             let Some(size) = size else { return Ok(false) };
             output.commit()?;
             self.write_layout(target, size)?;
@@ -313,6 +298,7 @@ impl Studio {
     /// All frames to one output, and their size; `None` if none could be made.
     fn shoot(
         &self,
+        studio: &Studio,
         output: &mut Output,
         progress: &mut Progress,
         failures: &mut Vec<Failure>,
@@ -321,19 +307,24 @@ impl Studio {
         let look = self.look();
         let mut reel = Reel::new(output, &look);
         let mut stopped = None;
-        let make = |renderer: &mut Option<Renderer>, n: usize| {
-            report::catching(|| Ok::<_, Failure>(self.picture(renderer, &self.frames[n])))
+        let make = |painter: &mut Painter, n: usize| {
+            report::catching(|| Ok::<_, Failure>(studio.picture(painter, &self.frames[n])))
         };
-        let sink = |n: usize, made: Result<Arc<Result<Pixmap, Failure>>, Failure>| {
+        let sink = |n: usize, made: Result<Made<Failure>, Failure>| {
             let name = &self.frames[n].name;
-            let (added, ok) = match made.as_deref() {
-                Ok(Ok(picture)) => (reel.add(picture), true),
-                Ok(Err(failure)) | Err(failure) => {
+            let failed = match &made {
+                Ok(frame) => frame.as_ref().as_ref().err(),
+                Err(failure) => Some(failure),
+            };
+            let (added, ok) = match (&made, failed) {
+                (Ok(frame), None) => (reel.add(frame), true),
+                (_, Some(failure)) => {
                     progress.clear();
                     report::failure(name, failure);
                     failures.push(failure.clone());
                     (reel.repeat(), false)
                 }
+                (Err(_), None) => unreachable!("a failure is one"),
             };
             progress.tick(name, ok && added.is_ok());
             stopped = added.err();
@@ -342,7 +333,7 @@ impl Studio {
             }
             stopped.is_none()
         };
-        in_order(self.frames.len(), self.threads, || self.renderer(), make, sink)?;
+        in_order(self.frames.len(), self.threads, || studio.painter(), make, sink)?;
         match stopped {
             Some(error) => Err(error),
             None => reel.finish(),
@@ -373,63 +364,6 @@ impl Studio {
         let written = output.write_all(layout.json(&image, &names, self.rate).as_bytes());
         written.map_err(|e| output.failure(&e))?;
         output.commit()
-    }
-
-    /// One frame's pixels.
-    fn picture(&self, renderer: &mut Option<Renderer>, frame: &Frame) -> Arc<Result<Pixmap, Failure>> {
-        match (&frame.what, &self.timeline) {
-            (What::Drawing(source), _) => {
-                Arc::new(input::read(source).and_then(|bytes| self.paint(renderer, &bytes, &frame.name)))
-            }
-            (&What::At(time), Some(timeline)) => {
-                let moment = |renderer: &mut Option<Renderer>, time: f64| {
-                    let paint =
-                        |document: &str| Arc::new(self.paint(renderer, document.as_bytes(), &frame.name));
-                    self.cels.of(timeline.document_at(time), paint)
-                };
-                let Some(degrees) = self.job.options.shutter else { return moment(renderer, time) };
-                let open = degrees / 360.0 / self.rate.fps();
-                let samples = self.job.options.shutter_samples;
-                let times = (0..samples).map(|k| time + open * f64::from(k) / f64::from(samples));
-                let mut sum: Option<blur::Exposure> = None;
-                for time in times {
-                    let picture = moment(renderer, time);
-                    match picture.as_ref() {
-                        Ok(pixels) => sum.get_or_insert_with(|| blur::Exposure::new(pixels)).add(pixels),
-                        Err(_) => return picture,
-                    }
-                }
-                Arc::new(Ok(sum.expect("there is a sample").mean()))
-            }
-            (What::At(_), None) => unreachable!("times are of an animated drawing"),
-        }
-    }
-
-    fn paint(&self, renderer: &mut Option<Renderer>, bytes: &[u8], name: &str) -> Result<Pixmap, Failure> {
-        self.painted.fetch_add(1, Ordering::Relaxed);
-        let job = &self.job.picture;
-        let (tree, unmatched) = load::tree_and_warnings(bytes, &job.options)?;
-        let viewport = match self.viewport {
-            Some(viewport) => viewport,
-            None => size::viewport(&tree, &job.part, job.fit, job.max_pixels)?,
-        };
-        let scene = scene(&tree, &job.part)?;
-        if self.timeline.is_none() {
-            report::warnings(name, scene.warnings(), job.voice);
-            report::warnings(name, &unmatched, job.voice);
-        }
-        let painter = match renderer {
-            Some(renderer) => renderer,
-            None => renderer.insert(Renderer::new(Settings { threads: 1, ..job.settings.clone() })?),
-        };
-        Ok(painter.render(&scene, &viewport)?)
-    }
-}
-
-fn scene(tree: &usvg::Tree, part: &Part) -> Result<Scene, Error> {
-    match part {
-        Part::Element { id, .. } => Scene::from_element(tree, id),
-        Part::Page | Part::Drawing => Scene::from_tree(tree),
     }
 }
 

@@ -33,6 +33,7 @@ pub mod frames;
 pub mod input;
 pub mod movie;
 pub mod output;
+pub mod painting;
 pub mod perf;
 pub mod places;
 pub mod query;

@@ -2,11 +2,14 @@
 
 use super::ffmpeg::{Ffmpeg, Video};
 use super::output::Output;
+use super::report::Failure;
 use super::values::{Format, YuvChoice};
 use std::io::Write;
 use toon_raster::encode::{
     ApngWriter, Effort, GifWriter, Layout, PngWriter, Rate, SheetWriter, Y4mWriter, Yuv,
 };
+use toon_raster::frames::gallery::Made;
+use toon_raster::render::Canvas;
 use toon_raster::{Error, Pixmap};
 
 /// What is known before the first frame.
@@ -25,13 +28,16 @@ pub struct Look {
     pub yuv: YuvChoice,
 }
 
+/// A frame's picture, which others may look at too.
+pub type Shown = Made<Failure>;
+
 /// Frames on their way into one output: the first says how large all are.
 pub struct Reel<'o> {
     look: &'o Look,
     /// Until there is a first frame.
     output: Option<&'o mut Output>,
     movie: Option<Movie<'o>>,
-    last: Option<Pixmap>,
+    last: Option<Shown>,
     /// Frames that failed before there was one to stand for them.
     missing: usize,
 }
@@ -45,9 +51,12 @@ impl<'o> Reel<'o> {
     ///
     /// # Errors
     /// When it does not go with the others or with the format, or cannot be written.
-    pub fn add(&mut self, picture: &Pixmap) -> Result<(), Error> {
+    pub fn add(&mut self, frame: &Shown) -> Result<(), Error> {
+        let Some(picture) = seen(frame) else { return self.repeat() };
         let (width, height) = (picture.width(), picture.height());
-        if let Some(first) = self.last.as_ref().filter(|f| (f.width(), f.height()) != (width, height)) {
+        if let Some(first) =
+            self.last.as_ref().and_then(seen).filter(|f| (f.width(), f.height()) != (width, height))
+        {
             return Err(Error::Size(format!(
                 "{width} x {height} pixels after frames of {} x {} (give all one size with -w and -h)",
                 first.width(),
@@ -69,7 +78,7 @@ impl<'o> Reel<'o> {
         for _ in 0..=std::mem::take(&mut self.missing) {
             movie.add(picture)?;
         }
-        self.last = Some(picture.clone());
+        self.last = Some(frame.clone());
         Ok(())
     }
 
@@ -78,7 +87,7 @@ impl<'o> Reel<'o> {
     /// # Errors
     /// When it cannot be written.
     pub fn repeat(&mut self) -> Result<(), Error> {
-        match (&mut self.movie, &self.last) {
+        match (&mut self.movie, self.last.as_ref().and_then(seen)) {
             (Some(movie), Some(last)) => movie.add(last),
             _ => {
                 self.missing += 1;
@@ -95,8 +104,12 @@ impl<'o> Reel<'o> {
         if let Some(movie) = self.movie {
             movie.finish()?;
         }
-        Ok(self.last.map(|last| (last.width(), last.height())))
+        Ok(self.last.as_ref().and_then(seen).map(|last| (last.width(), last.height())))
     }
+}
+
+fn seen(frame: &Shown) -> Option<&Pixmap> {
+    frame.as_ref().as_ref().ok().map(Canvas::picture)
 }
 
 /// A file or stream of frames being written.

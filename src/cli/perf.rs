@@ -97,23 +97,36 @@ impl Perf {
 pub struct SequencePerf {
     pub input: String,
     pub frames: usize,
-    /// Pictures painted: fewer than frames where frames show the same, more with motion blur.
-    pub painted: u64,
+    pub work: SequenceWork,
     pub threads: usize,
     pub total: Duration,
 }
 
+/// What was done for a sequence.
+#[derive(Clone, Copy, Debug)]
+pub struct SequenceWork {
+    /// Pictures painted: fewer than frames where frames show the same, more with motion blur.
+    pub painted: u64,
+    /// Tiles of those pictures.
+    pub tiles: u64,
+    /// Those of them that no picture before showed at the same place.
+    pub rendered: u64,
+}
+
 impl SequencePerf {
     pub fn print(&self, style: PerfStyle) {
-        let SequencePerf { input, frames, painted, threads, total } = self;
+        let SequencePerf { input, frames, work, threads, total } = self;
+        let SequenceWork { painted, tiles, rendered } = work;
         let rate = *frames as f64 / total.as_secs_f64();
+        let reused = if *tiles == 0 { 0.0 } else { (tiles - rendered) as f64 / *tiles as f64 };
         let total = ms(*total);
         let text = match style {
             PerfStyle::Text => format!(
-                "{input}: {frames} frames, {painted} pictures painted, {total:.3} ms, {rate:.1} frames/s, {threads} threads"
+                "{input}: {frames} frames, {painted} pictures painted, {:.1}% of {tiles} tiles reused, {total:.3} ms, {rate:.1} frames/s, {threads} threads",
+                100.0 * reused
             ),
             PerfStyle::Json => format!(
-                r#"{{"input":{},"frames":{frames},"painted":{painted},"threads":{threads},"total_ms":{total:.3},"frames_per_second":{rate:.3}}}"#,
+                r#"{{"input":{},"frames":{frames},"painted":{painted},"tiles":{tiles},"tiles_rendered":{rendered},"tiles_reused":{reused:.6},"threads":{threads},"total_ms":{total:.3},"frames_per_second":{rate:.3}}}"#,
                 json_string(input)
             ),
         };

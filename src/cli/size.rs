@@ -54,9 +54,8 @@ pub enum Part {
 /// # Errors
 /// When there is no such element, or nothing to be seen of it, or more than `max_pixels`.
 pub fn viewport(tree: &usvg::Tree, part: &Part, fit: Fit, max_pixels: u64) -> Result<Viewport, Failure> {
-    let page = (0.0, 0.0, tree.size());
     let (x, y, size) = match part {
-        Part::Page | Part::Drawing | Part::Element { on_page: true, .. } => page,
+        Part::Page | Part::Drawing | Part::Element { on_page: true, .. } => (0.0, 0.0, tree.size()),
         Part::Element { id, .. } => {
             let node = tree.node_by_id(id).ok_or_else(|| {
                 Failure::input(format!("no element has the id '{id}' (--query-all lists them)"))
@@ -67,16 +66,32 @@ pub fn viewport(tree: &usvg::Tree, part: &Part, fit: Fit, max_pixels: u64) -> Re
             (bounds.x() as f64, bounds.y() as f64, bounds.size())
         }
     };
-    let target = fit.size(size).ok_or_else(|| Failure::input("the picture would have no size"))?;
-    let scale_x = target.width() as f64 / size.width() as f64;
-    let scale_y = target.height() as f64 / size.height() as f64;
-    let transform = Affine::scale_non_uniform(scale_x, scale_y) * Affine::translate((-x, -y));
-    let whole =
-        Viewport { width: target.width().ceil() as u32, height: target.height().ceil() as u32, transform };
+    let whole = placed((x, y), size, fit)?;
     let viewport = match part {
         Part::Drawing => drawing_area(tree, whole),
         _ => whole,
     };
+    affordable(viewport, max_pixels)
+}
+
+/// The viewport of a page of this size.
+///
+/// # Errors
+/// When it has more than `max_pixels`.
+pub fn page(size: usvg::Size, fit: Fit, max_pixels: u64) -> Result<Viewport, Failure> {
+    affordable(placed((0.0, 0.0), size, fit)?, max_pixels)
+}
+
+/// A rectangle of the drawing, by its corner and its size.
+fn placed((x, y): (f64, f64), size: usvg::Size, fit: Fit) -> Result<Viewport, Failure> {
+    let target = fit.size(size).ok_or_else(|| Failure::input("the picture would have no size"))?;
+    let scale_x = target.width() as f64 / size.width() as f64;
+    let scale_y = target.height() as f64 / size.height() as f64;
+    let transform = Affine::scale_non_uniform(scale_x, scale_y) * Affine::translate((-x, -y));
+    Ok(Viewport { width: target.width().ceil() as u32, height: target.height().ceil() as u32, transform })
+}
+
+fn affordable(viewport: Viewport, max_pixels: u64) -> Result<Viewport, Failure> {
     if viewport.width.max(viewport.height) > MAX_SIDE {
         return Err(Failure::input(format!(
             "a side of the picture would be longer than {MAX_SIDE} pixels (ask for less with -w, -h or -z)"

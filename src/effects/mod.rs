@@ -15,4 +15,4 @@ pub(crate) mod filter;
 pub(crate) mod highlights;
 pub(crate) mod layer;
 pub(crate) mod mask;
-mod srgb;
+pub(crate) mod srgb;

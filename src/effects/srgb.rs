@@ -11,7 +11,7 @@ const TOE_SLOPE: f32 = 12.92;
 
 /// Linear light of an sRGB-encoded component; what lies outside 0 ..= 1 is clamped, NaN is 0.
 #[inline]
-pub(super) fn linear_of_encoded(encoded: f32) -> f32 {
+pub(crate) fn linear_of_encoded(encoded: f32) -> f32 {
     if encoded > ENCODED_TOE {
         LINEAR.at(encoded)
     } else {
@@ -21,7 +21,7 @@ pub(super) fn linear_of_encoded(encoded: f32) -> f32 {
 
 /// The sRGB encoding of a component in linear light; what lies outside 0 ..= 1 is clamped, NaN is 0.
 #[inline]
-pub(super) fn encoded_of_linear(linear: f32) -> f32 {
+pub(crate) fn encoded_of_linear(linear: f32) -> f32 {
     if linear > LINEAR_TOE {
         ENCODED.at(linear)
     } else {

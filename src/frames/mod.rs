@@ -4,7 +4,10 @@
 //! |---|---|
 //! | [`timeline`] | an animated SVG → the document at any time, its duration, what is not evaluated |
 //! | [`list`] | the text of a frame list (`1-100x2`) → frame numbers |
+//! | `split` | the text of a drawing → pieces that do not depend on each other |
+//! | [`cels`] | drawings that have much in common → their scenes, what was there before not parsed again |
 //! | [`blur`] | pictures of moments within a frame → their mean |
+//! | [`gallery`] | pictures made lately → the same picture again, or what a new one can take over |
 //! | [`sequence`] | how to make one frame, how many → frames in order, on all threads, in bounded memory |
 //!
 //! # Example
@@ -28,8 +31,11 @@
 //! ```
 
 pub mod blur;
+pub mod cels;
+pub mod gallery;
 pub mod list;
 pub mod sequence;
+mod split;
 pub mod timeline;
 
 pub use timeline::Timeline;

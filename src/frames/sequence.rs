@@ -3,8 +3,8 @@
 //! Promises: what is handed out does not depend on the number of threads; no more than [`AHEAD`] frames
 //! a thread are made before their turn.
 
-use std::collections::{BTreeMap, VecDeque};
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, OnceLock, PoisonError};
+use std::collections::BTreeMap;
+use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 
 /// Frames that a thread may be ahead of the one to be handed out.
 pub const AHEAD: usize = 2;
@@ -136,39 +136,6 @@ impl<T> Drop for Stop<'_, T> {
     }
 }
 
-/// Pictures made lately, by the document that they show: a drawing that holds still is painted once.
-pub struct Cels<T> {
-    recent: Mutex<VecDeque<(String, Arc<OnceLock<T>>)>>,
-    most: usize,
-}
-
-impl<T: Clone> Cels<T> {
-    /// Keeps up to `most` pictures.
-    pub fn new(most: usize) -> Cels<T> {
-        Cels { recent: Mutex::default(), most: most.max(1) }
-    }
-
-    /// The picture of `document`, made by `make` unless it is there; if it is being made on another
-    /// thread, waits for it.
-    pub fn of(&self, document: String, make: impl FnOnce(&str) -> T) -> T {
-        let cel = {
-            let mut recent = self.recent.lock().unwrap_or_else(PoisonError::into_inner);
-            match recent.iter().find(|(other, _)| *other == document) {
-                Some((_, cel)) => cel.clone(),
-                None => {
-                    let cel = Arc::new(OnceLock::new());
-                    recent.push_back((document.clone(), cel.clone()));
-                    if recent.len() > self.most {
-                        recent.pop_front();
-                    }
-                    cel
-                }
-            }
-        };
-        cel.get_or_init(|| make(&document)).clone()
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -233,20 +200,5 @@ mod tests {
         )
         .unwrap();
         assert_eq!(seen, 10);
-    }
-
-    #[test]
-    fn the_same_document_is_painted_once() {
-        let made = AtomicUsize::new(0);
-        let cels = Cels::new(2);
-        let paint = |document: &str| {
-            made.fetch_add(1, Ordering::SeqCst);
-            document.len()
-        };
-        for document in ["a", "a", "bb", "a", "ccc", "a"] {
-            assert_eq!(cels.of(document.to_string(), paint), document.len());
-        }
-        // "a" is forgotten when "ccc" comes, as the oldest of three.
-        assert_eq!(made.load(Ordering::SeqCst), 4);
     }
 }

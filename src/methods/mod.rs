@@ -204,6 +204,11 @@ pub(crate) trait BandPainter: Send {
     /// Paints band number `band` into `rows`.
     fn render(&mut self, picture: &Picture, band: usize, rows: Rows);
 
+    /// Does it leave alone the tiles that the picture's plan does not ask for? Otherwise it paints whole bands.
+    fn keeps_tiles(&self) -> bool {
+        false
+    }
+
     /// Takes the time of each stage from now on.
     fn time_stages(&mut self) {}
 

@@ -2,6 +2,8 @@
 //! group that hold at each node.
 
 use super::paint::{Gradient, GradientShape, Paint, Spread, Stop};
+use super::parts::CUT_ID;
+use super::print::{self, Print};
 use super::raster::{Mask, Raster, RasterGroup, Source};
 use super::{
     Clip, ClipId, ClipMember, FillRule, Geometry, Group, GroupId, Outline, Scene, Shape, StrokeStyle, Warning,
@@ -56,6 +58,7 @@ pub(super) fn scene(tree: &usvg::Tree, node: Option<&usvg::Node>) -> Result<Scen
         shapes: walk.shapes,
         clips: walk.clips,
         groups: walk.groups,
+        prints: Vec::new(),
     })
 }
 
@@ -70,13 +73,18 @@ struct Place {
     depth: usize,
 }
 
-struct Walk {
-    shapes: Vec<Shape>,
-    clips: Vec<Clip>,
+pub(super) struct Walk {
+    pub shapes: Vec<Shape>,
+    pub clips: Vec<Clip>,
     /// By the element in usvg's tree, the transform where it applies, and the clip outside it.
     known_clips: HashMap<(usize, [u64; 6], Option<ClipId>), ClipId>,
-    groups: Vec<Group>,
-    warnings: Vec<Warning>,
+    /// By content, and what that is.
+    printed_clips: HashMap<Print, ClipId>,
+    clip_prints: Vec<Print>,
+    pub groups: Vec<Group>,
+    pub warnings: Vec<Warning>,
+    /// Shapes and groups before each cut ([`super::parts`]).
+    pub cuts: Vec<(usize, usize)>,
     /// Images, by their bytes.
     images: HashMap<Arc<Vec<u8>>, Option<Arc<Layer>>>,
     /// Rasters around the walk.
@@ -94,8 +102,11 @@ impl Default for Walk {
             shapes: Vec::new(),
             clips: Vec::new(),
             known_clips: HashMap::new(),
+            printed_clips: HashMap::new(),
+            clip_prints: Vec::new(),
             groups: vec![picture],
             warnings: Vec::new(),
+            cuts: Vec::new(),
             images: HashMap::new(),
             nesting: 0,
             contents: 0,
@@ -105,6 +116,14 @@ impl Default for Walk {
 }
 
 impl Walk {
+    /// Through a whole tree.
+    pub fn of(tree: &usvg::Tree) -> Result<Walk, Error> {
+        let mut walk = Walk::default();
+        let place = Place { transform: Affine::IDENTITY, clip: None, group: 0, depth: 0 };
+        walk.group(tree.root(), place)?;
+        Ok(walk)
+    }
+
     fn node(&mut self, node: &usvg::Node, place: Place) -> Result<(), Error> {
         match node {
             usvg::Node::Group(group) => self.group(group, place),
@@ -116,6 +135,10 @@ impl Walk {
     }
 
     fn group(&mut self, group: &usvg::Group, mut place: Place) -> Result<(), Error> {
+        if group.id() == CUT_ID && self.nesting == 0 {
+            self.cuts.push((self.shapes.len(), self.groups.len()));
+            return Ok(());
+        }
         place.transform *= affine(group.transform());
         self.last_id.clear();
         self.last_id.push_str(group.id());
@@ -202,12 +225,12 @@ impl Walk {
         }
         let mask = group.mask().map(|mask| self.mask(mask)).transpose()?;
         let bounds = rect(group.layer_bounding_box());
-        let source = Source::Group(RasterGroup {
+        let source = Source::Group(Box::new(RasterGroup {
             content,
             filters: group.filters().to_vec(),
             mask,
             blend_mode: group.blend_mode(),
-        });
+        }));
         let opacity = group.opacity().get();
         let raster = Raster { source, transform: place.transform, bounds, opacity };
         let geometry = Geometry { outline: Outline::Pixels, ..Geometry::of_rect(bounds, place.transform) };
@@ -251,7 +274,7 @@ impl Walk {
 
     fn into_scene(self) -> Scene {
         let Walk { shapes, clips, groups, warnings, .. } = self;
-        Scene { size: Size::ZERO, bounding_box: None, warnings, shapes, clips, groups }
+        Scene { size: Size::ZERO, bounding_box: None, warnings, shapes, clips, groups, prints: Vec::new() }
     }
 
     fn path(&mut self, path: &usvg::Path, place: Place) -> Result<(), Error> {
@@ -316,8 +339,8 @@ impl Walk {
         Ok(paint.filter(|paint| !paint.is_invisible()))
     }
 
-    /// The clip's number. Where the same one applies to many elements, as plotting programs write it,
-    /// they share it.
+    /// The clip's number. Where the same one applies to many elements, as plotting programs write it, or one
+    /// like it, they share it.
     fn clip(&mut self, clip: &usvg::ClipPath, transform: Affine, outer: Option<ClipId>) -> ClipId {
         let key = (std::ptr::from_ref(clip) as usize, transform.as_coeffs().map(f64::to_bits), outer);
         if let Some(&known) = self.known_clips.get(&key) {
@@ -326,8 +349,13 @@ impl Walk {
         let own = clip.clip_path().map(|own| self.clip(own, transform, None));
         let mut members = Vec::new();
         self.clip_members(clip.root(), transform * affine(clip.transform()), None, &mut members);
-        self.clips.push(Clip { members, within: outer.into_iter().chain(own).collect() });
-        let number = (self.clips.len() - 1) as ClipId;
+        let clip = Clip { members, within: outer.into_iter().chain(own).collect() };
+        let print = print::of_clip(&clip, &self.clip_prints);
+        let number = *self.printed_clips.entry(print).or_insert_with(|| {
+            self.clips.push(clip);
+            self.clip_prints.push(print);
+            (self.clips.len() - 1) as ClipId
+        });
         self.known_clips.insert(key, number);
         number
     }
@@ -456,7 +484,7 @@ fn stroke_outline(stroke: &usvg::Stroke) -> Outline {
         None => pen,
     };
     let clips_miters = stroke.linejoin() == usvg::LineJoin::MiterClip;
-    Outline::Stroke(Box::new(StrokeStyle { line, clips_miters }))
+    Outline::Stroke(Arc::new(StrokeStyle { line, clips_miters }))
 }
 
 fn gradient(

@@ -108,6 +108,20 @@ pub fn tree_and_warnings(bytes: &[u8], options: &Options) -> Result<(usvg::Tree,
     Ok((tree, warnings))
 }
 
+/// The same of text, for drawings in which all goes straight: `None` where links would have to be cut, or
+/// there is something to warn of.
+pub(crate) fn straight_tree(text: &str, options: &Options) -> Result<Option<usvg::Tree>, Error> {
+    let xml = parse_xml(text)?;
+    let census = guard::check(&xml, options.usvg.style_sheet.as_deref(), &options.limits)?;
+    if !census.circles.is_empty() {
+        return Ok(None);
+    }
+    let unmatched = Mutex::default();
+    let tree = tree_from_xml(&xml, &census, options, &unmatched)?;
+    let clean = unmatched.into_inner().is_ok_and(|warnings| warnings.is_empty());
+    Ok(clean.then_some(tree))
+}
+
 /// Text whose font families no font matches.
 type Unmatched = Mutex<Vec<Warning>>;
 

@@ -6,6 +6,8 @@
 pub(crate) mod color_map;
 mod convert;
 pub(crate) mod paint;
+pub(crate) mod parts;
+pub(crate) mod print;
 pub(crate) mod raster;
 
 pub mod load;
@@ -55,6 +57,8 @@ pub struct Scene {
     pub(crate) clips: Vec<Clip>,
     /// Groups that composite as one; number 0 is the picture itself. Parents stand before children.
     pub(crate) groups: Vec<Group>,
+    /// Of each shape, if they are known already.
+    pub(crate) prints: Vec<print::Print>,
 }
 
 /// One flat region of the drawing: a fill or the outline of a stroke.
@@ -101,7 +105,7 @@ pub(crate) enum Outline {
     /// The inside, by this rule.
     Fill(FillRule),
     /// The line along it; widths and dashes in the path's coordinates.
-    Stroke(Box<StrokeStyle>),
+    Stroke(Arc<StrokeStyle>),
     /// All pixels that the path's bounds touch.
     Pixels,
 }

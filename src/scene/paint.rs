@@ -254,7 +254,7 @@ pub(crate) struct Gradient {
     pub stops: Vec<Stop>,
     /// From the gradient's plane to the scene's user units.
     pub transform: Affine,
-    opaque: bool,
+    pub(super) opaque: bool,
 }
 
 impl Gradient {

@@ -36,7 +36,7 @@ impl Raster {
 /// Where the pixels come from.
 #[derive(Clone, Debug)]
 pub(crate) enum Source {
-    Group(RasterGroup),
+    Group(Box<RasterGroup>),
     /// An image, whose pixels are unit squares from the origin on; smooth, or each sample a square.
     Image {
         pixels: Arc<Layer>,

@@ -7,6 +7,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
+use std::ops::Range;
 use usvg::roxmltree::{Document, Node};
 
 const SVG: &str = "http://www.w3.org/2000/svg";
@@ -97,14 +98,30 @@ impl Template {
     /// The document with these values; an element's own where none is given.
     pub(super) fn filled(&self, values: &Values) -> String {
         let mut out = String::with_capacity(self.text.len() + 64 * self.holes.len());
-        let mut from = 0;
-        for hole in &self.holes {
+        self.fill(0..self.text.len(), values, &mut out);
+        out
+    }
+
+    /// Writes some bytes of the text, and the values in the holes there.
+    pub(super) fn fill(&self, bytes: Range<usize>, values: &Values, out: &mut String) {
+        let mut from = bytes.start;
+        let first = self.holes.partition_point(|hole| hole.at < bytes.start);
+        for hole in self.holes[first..].iter().take_while(|hole| hole.at < bytes.end) {
             out.push_str(&self.text[from..hole.at]);
             from = hole.at;
-            hole.fill(values.get(&hole.element), &mut out);
+            hole.fill(values.get(&hole.element), out);
         }
-        out.push_str(&self.text[from..]);
-        out
+        out.push_str(&self.text[from..bytes.end]);
+    }
+
+    /// The text without what moves.
+    pub(super) fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// Where in it something moves, in order.
+    pub(super) fn holes(&self) -> impl Iterator<Item = usize> + '_ {
+        self.holes.iter().map(|hole| hole.at)
     }
 
     /// Writes a node up to its content; whether it has content to be written.

@@ -16,6 +16,7 @@
 //! | `cascade` | style sheets → the value a property has before it moves |
 //! | `smil`, `css` | all that moves → values at a time |
 //! | `document` | the drawing and values → the document |
+//! | `parts` | the drawing and values → the scene, of which only what moves is parsed anew |
 
 mod cascade;
 mod clock;
@@ -26,6 +27,7 @@ mod function;
 mod individual;
 mod intervals;
 mod motion;
+mod parts;
 mod run;
 mod smil;
 mod transforms;
@@ -34,6 +36,7 @@ mod value;
 #[cfg(test)]
 mod tests;
 
+use super::split::Split;
 use crate::scene::load;
 use crate::{Error, Options};
 use cascade::Cascade;
@@ -42,7 +45,7 @@ use document::{Element, Name, Template, Values};
 use intervals::{Schedule, Timed};
 use smil::{href, Smil};
 use std::collections::{BTreeMap, BTreeSet};
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, OnceLock};
 use usvg::roxmltree::Document;
 
 /// A drawing that moves.
@@ -55,6 +58,8 @@ pub struct Timeline {
     schedule: Mutex<Arc<Schedule>>,
     length: Length,
     unevaluated: Unevaluated,
+    /// The template in pieces, if it can be cut.
+    split: OnceLock<Option<Split>>,
 }
 
 /// How long a drawing moves.
@@ -128,7 +133,8 @@ impl Timeline {
         }
         let length = length(&smil, &css, &schedule);
         let schedule = Mutex::new(Arc::new(schedule));
-        Ok(Timeline { template: Template::new(&xml, &animated), smil, css, schedule, length, unevaluated })
+        let template = Template::new(&xml, &animated);
+        Ok(Timeline { template, smil, css, schedule, length, unevaluated, split: OnceLock::new() })
     }
 
     /// The document that is seen `seconds` after the start, as SVG text.
