@@ -7,19 +7,19 @@
 use crate::effects::blend::blend;
 use crate::effects::filter::region::{regions, Canvas};
 use crate::effects::filter::{self, Job};
-use crate::effects::highlights::Aliasing;
 use crate::effects::layer::{between, IntRect, Layer, Pixel, Space, CLEAR};
+use crate::effects::log::Log;
 use crate::effects::mask;
 use crate::scene::paint::{Paint, Shader};
 use crate::scene::raster::{Mask, Raster, RasterGroup, Source};
 use crate::scene::{Clip, ClipMember, Geometry, Scene, Shape};
 use crate::{texture, Error, Renderer, Settings, Viewport};
 use kurbo::{Affine, Point, Rect, Vec2};
-use std::cell::Cell;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// Pixels of all layers of one scene: 4 GB.
-const MOST_PIXELS: u64 = 1 << 28;
+pub(crate) const MOST_PIXELS: u64 = 1 << 28;
 
 /// Tiles of a pattern that are drawn one by one, and the shapes in all of them; beyond, tiles are copies
 /// of one tile's pixels.
@@ -29,8 +29,8 @@ const MOST_TILED_SHAPES: f64 = 16384.0;
 /// A tile that is copied is made in no more pixels than this a side.
 const LARGEST_TILE: f64 = 2048.0;
 
-/// The shader of every shape that has one; empty for a scene of flat paint. And, where stages are timed,
-/// what aliases of the highlights of this scene's own filters.
+/// The shader of every shape, for a scene that calls for any ([`Scene::calls_for_shaders`]); `log` is
+/// told what ran for them.
 ///
 /// # Errors
 /// [`Error::Limit`] when layers would hold too many pixels.
@@ -38,17 +38,14 @@ pub(crate) fn shaders<'a>(
     scene: &'a Scene,
     viewport: &Viewport,
     settings: &Settings,
-) -> Result<(Vec<Option<Shader<'a>>>, Option<Aliasing>), Error> {
-    if scene.shapes.iter().all(|shape| matches!(shape.paint, Paint::Flat(_))) {
-        return Ok((Vec::new(), None));
-    }
-    let aliasing = Cell::new(settings.stage_times.then(Aliasing::default));
-    let mut artist = Artist { scene, viewport, settings, pixels: 0, aliasing };
+    log: &Log,
+) -> Result<Vec<Option<Shader<'a>>>, Error> {
+    let mut artist = Artist { scene, viewport, settings, pixels: 0, log };
     let mut shaders = Vec::with_capacity(scene.shapes.len());
     for shape in &scene.shapes {
         let shader = match &shape.paint {
             Paint::Flat(_) => None,
-            Paint::Gradient(gradient) => Some(Shader::Gradient(gradient.shader(viewport.transform))),
+            Paint::Gradient(gradient) => Some(Shader::Gradient(gradient.shader(viewport.transform, settings.spot_scale))),
             Paint::Layer(layer, by) => Some(Shader::Layer(layer.clone(), *by)),
             Paint::Raster(raster) => {
                 Some(Shader::Layer(Arc::new(artist.layer(raster, shape, &shaders)?), (0, 0)))
@@ -56,8 +53,11 @@ pub(crate) fn shaders<'a>(
         };
         shaders.push(shader);
     }
-    Ok((shaders, artist.aliasing.get()))
+    Ok(shaders)
 }
+
+/// What the drawing of a group's content is called where effects are timed.
+const CONTENT: &str = "layer content";
 
 /// Makes the layers of one scene.
 struct Artist<'a> {
@@ -66,20 +66,13 @@ struct Artist<'a> {
     settings: &'a Settings,
     /// Pixels of the layers so far.
     pixels: u64,
-    aliasing: Cell<Option<Aliasing>>,
+    log: &'a Log,
 }
 
 impl Artist<'_> {
     /// The layer of one shape; `before` has the shaders of those below it.
     fn layer(&mut self, raster: &Raster, shape: &Shape, before: &[Option<Shader>]) -> Result<Layer, Error> {
-        let to_pixels = self.viewport.transform * raster.transform;
-        let picture = IntRect::new(0, 0, self.viewport.width, self.viewport.height);
-        let bounds = match raster.source {
-            Source::Group(_) | Source::Image { .. } => to_pixels.transform_rect_bbox(raster.bounds),
-            // A pattern is seen as far as its shape goes.
-            Source::Tiles(..) => crate::outlines::bounds_in_pixels(&shape.geometry, self.viewport),
-        };
-        let rect = IntRect::around(bounds).intersect(picture);
+        let (to_pixels, rect) = place_of(raster, shape, self.viewport);
         self.pixels += rect.area();
         if self.pixels > MOST_PIXELS {
             return Err(Error::Limit(format!(
@@ -88,12 +81,16 @@ impl Artist<'_> {
         }
         let mut layer = match &raster.source {
             Source::Group(group) => self.group(group, to_pixels, rect)?,
-            Source::Image { pixels, nearest } => texture::drawn(pixels, to_pixels, rect, *nearest),
-            Source::Tiles(tile, place) => self.tiles((tile, *place), to_pixels, rect)?,
+            Source::Image { pixels, nearest } => {
+                self.log.run("image", || texture::drawn(pixels, to_pixels, rect, *nearest))
+            }
+            Source::Tiles(tile, place) => {
+                self.log.run("pattern", || self.tiles((tile, *place), to_pixels, rect))?
+            }
         };
         if let Source::Group(RasterGroup { blend_mode, .. }) = raster.source {
             if blend_mode != usvg::BlendMode::Normal {
-                self.blend(blend_mode, &mut layer, before)?;
+                self.log.run("mix-blend-mode", || self.blend(blend_mode, &mut layer, before))?;
             }
         }
         if raster.opacity < 1.0 {
@@ -103,29 +100,28 @@ impl Artist<'_> {
         Ok(layer)
     }
 
-    /// Draws a scene over a rectangle of pixels.
+    /// Draws a scene over a rectangle of pixels. The time is that of the effect which asks for it.
     fn draw(&self, scene: &Scene, to_pixels: Affine, rect: IntRect) -> Result<Layer, Error> {
         if rect.is_empty() || scene.shapes.is_empty() {
             return Ok(Layer::clear(rect, Space::Srgb));
         }
-        let corner = Vec2::new(f64::from(rect.x()), f64::from(rect.y()));
-        let viewport = Viewport {
-            width: rect.width() as u32,
-            height: rect.height() as u32,
-            transform: Affine::translate(-corner) * to_pixels,
-        };
-        let settings = Settings { background: None, threads: 1, stage_times: false, ..self.settings.clone() };
-        let picture = Renderer::new(settings)?.render(scene, &viewport)?;
+        let viewport = over(rect, to_pixels);
+        let settings = Settings { background: None, threads: 1, ..self.settings.clone() };
+        let mut renderer = Renderer::new(settings)?;
+        let picture = renderer.render(scene, &viewport)?;
+        self.log.absorb(&renderer.stages().effects, &renderer.stages().lit);
         Ok(Layer::from_rgba8(rect, picture.data()))
     }
 
     fn group(&self, group: &RasterGroup, to_pixels: Affine, rect: IntRect) -> Result<Layer, Error> {
         let mut layer = match group.filters.is_empty() {
-            true => self.draw(&group.content, to_pixels, rect)?,
+            true => self.log.run(CONTENT, || self.draw(&group.content, to_pixels, rect))?,
             false => self.filtered(group, to_pixels, rect)?,
         };
         if let Some(mask) = &group.mask {
-            self.mask(mask, to_pixels, layer.rect())?.apply(&mut layer);
+            self.log.run("mask", || {
+                self.mask(mask, to_pixels, layer.rect()).map(|mask| mask.apply(&mut layer))
+            })?;
         }
         Ok(layer)
     }
@@ -136,18 +132,18 @@ impl Artist<'_> {
         };
         let regions = regions(&group.filters, canvas.to_canvas, canvas.rect_of(rect));
         filter::affordable(&group.filters, &regions)?;
-        let source = self.draw(&group.content, canvas.to_canvas, regions[0])?;
+        let source = self.log.run(CONTENT, || self.draw(&group.content, canvas.to_canvas, regions[0]))?;
         let mut draw = |content: &usvg::Group, to_pixels: Affine, rect: IntRect| {
             self.draw(&Scene::from_group(content)?, to_pixels, rect)
         };
         let mut job = Job {
             to_canvas: canvas.to_canvas,
             highlights: self.settings.highlights,
-            aliasing: self.aliasing.get(),
+            index_aa: self.settings.index_aa,
+            log: self.log,
             draw: &mut draw,
         };
         let layer = filter::apply(&group.filters, &regions, source, &mut job)?;
-        self.aliasing.set(job.aliasing);
         Ok(canvas.shown(layer, rect))
     }
 
@@ -198,15 +194,7 @@ impl Artist<'_> {
         if to_pixels.determinant() == 0.0 || !to_pixels.is_finite() || rect.is_empty() {
             return Ok(Layer::clear(rect, Space::Srgb));
         }
-        // The tiles that are seen, by column and row.
-        let seen = to_pixels.inverse().transform_rect_bbox(rect.to_rect());
-        let columns =
-            ((seen.x0 - place.x0) / place.width()).floor()..((seen.x1 - place.x0) / place.width()).ceil();
-        let rows =
-            ((seen.y0 - place.y0) / place.height()).floor()..((seen.y1 - place.y0) / place.height()).ceil();
-        let count = (columns.end - columns.start) * (rows.end - rows.start);
-        let shapes = (tile.shapes.len() as f64).max(1.0);
-        if count <= MOST_TILES && count * shapes <= MOST_TILED_SHAPES {
+        if let Some((columns, rows)) = tiles_to_draw((tile, place), to_pixels, rect) {
             let mut plane = tile.with_shapes(Vec::new());
             plane.clips.clear();
             for row in rows.start as i64..rows.end as i64 {
@@ -227,9 +215,7 @@ impl Artist<'_> {
         to_pixels: Affine,
         rect: IntRect,
     ) -> Result<Layer, Error> {
-        let [a, b, c, d, ..] = to_pixels.as_coeffs();
-        let side = |scale: f64, length: f64| (scale * length).ceil().clamp(1.0, LARGEST_TILE);
-        let (width, height) = (side(a.hypot(b), place.width()), side(c.hypot(d), place.height()));
+        let (width, height) = copied_size(place, to_pixels);
         let to_tile = Affine::scale_non_uniform(width / place.width(), height / place.height())
             * Affine::translate(-place.origin().to_vec2());
         let pixels = self.draw(tile, to_tile, IntRect::new(0, 0, width as u32, height as u32))?;
@@ -246,6 +232,51 @@ impl Artist<'_> {
         }
         Ok(layer)
     }
+}
+
+/// The viewport that shows a rectangle of pixels.
+pub(crate) fn over(rect: IntRect, to_pixels: Affine) -> Viewport {
+    let corner = Vec2::new(f64::from(rect.x()), f64::from(rect.y()));
+    Viewport {
+        width: rect.width() as u32,
+        height: rect.height() as u32,
+        transform: Affine::translate(-corner) * to_pixels,
+    }
+}
+
+/// From a raster's coordinates to pixels, and the pixels that its layer lies over.
+pub(crate) fn place_of(raster: &Raster, shape: &Shape, viewport: &Viewport) -> (Affine, IntRect) {
+    let to_pixels = viewport.transform * raster.transform;
+    let picture = IntRect::new(0, 0, viewport.width, viewport.height);
+    let bounds = match raster.source {
+        Source::Group(_) | Source::Image { .. } => to_pixels.transform_rect_bbox(raster.bounds),
+        // A pattern is seen as far as its shape goes.
+        Source::Tiles(..) => crate::outlines::bounds_in_pixels(&shape.geometry, viewport),
+    };
+    (to_pixels, IntRect::around(bounds).intersect(picture))
+}
+
+/// Columns and rows of the tiles that are seen, if there are few enough to be drawn one by one.
+pub(crate) fn tiles_to_draw(
+    (tile, place): (&Scene, Rect),
+    to_pixels: Affine,
+    rect: IntRect,
+) -> Option<(Range<f64>, Range<f64>)> {
+    let seen = to_pixels.inverse().transform_rect_bbox(rect.to_rect());
+    let columns =
+        ((seen.x0 - place.x0) / place.width()).floor()..((seen.x1 - place.x0) / place.width()).ceil();
+    let rows =
+        ((seen.y0 - place.y0) / place.height()).floor()..((seen.y1 - place.y0) / place.height()).ceil();
+    let count = (columns.end - columns.start) * (rows.end - rows.start);
+    let shapes = (tile.shapes.len() as f64).max(1.0);
+    (count <= MOST_TILES && count * shapes <= MOST_TILED_SHAPES).then_some((columns, rows))
+}
+
+/// Width and height in pixels of a tile that is copied.
+pub(crate) fn copied_size(place: Rect, to_pixels: Affine) -> (f64, f64) {
+    let [a, b, c, d, ..] = to_pixels.as_coeffs();
+    let side = |scale: f64, length: f64| (scale * length).ceil().clamp(1.0, LARGEST_TILE);
+    (side(a.hypot(b), place.width()), side(c.hypot(d), place.height()))
 }
 
 /// Bilinear between the pixels of a tile that repeats.

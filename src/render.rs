@@ -10,11 +10,12 @@ use crate::band::{band_count, Laps, Picture};
 use crate::cel::Rows;
 use crate::edges::{BAND_ROWS, LARGEST_SIDE};
 use crate::effects::highlights::Highlights;
+use crate::effects::log::{EffectRuns, LitSurface, Log};
 use crate::layers;
 use crate::methods::{painter, BandPainter, Method, Painter, PicturePainter};
 use crate::outlines::{BandLists, Outlines};
 use crate::pixel::resolve::Surroundings;
-use crate::scene::paint::Sheet;
+use crate::scene::paint::{Shader, Sheet};
 use crate::{Error, Pixmap, Scene};
 use rayon::prelude::*;
 use std::sync::Mutex;
@@ -38,6 +39,12 @@ pub struct Settings {
     pub most_work: u32,
     /// What is done about specular highlights (feSpecularLighting) that alias.
     pub highlights: Highlights,
+    /// Component-transfer tables over noise (feComponentTransfer of feTurbulence) are averaged over each
+    /// pixel by Worley's index anti-aliasing, where SVG's algorithm looks at one point.
+    pub index_aa: bool,
+    /// Width in pixels of the spot over which gradients are averaged where their colour map turns within
+    /// it, 0 ..= 16; at 0 they are sampled at a point. The least error is at 1.
+    pub spot_scale: f64,
     /// Threads to use; 0 for one a core. The bytes do not depend on it.
     pub threads: usize,
     /// Take the time of each stage for [`Renderer::stages`]. Without it no clock is read in a band.
@@ -53,6 +60,8 @@ impl Default for Settings {
             background: None,
             most_work: Settings::DEFAULT_MOST_WORK,
             highlights: Highlights::AsIs,
+            index_aa: false,
+            spot_scale: 1.0,
             threads: 0,
             stage_times: false,
         }
@@ -100,6 +109,11 @@ pub struct Stages {
     pub times: Vec<(&'static str, Duration)>,
     /// Counter name and value: pixels by class, nodes of the recursion, fallbacks.
     pub counts: Vec<(&'static str, u64)>,
+    /// What ran beyond flat shapes, clips and groups, those within layers too; empty for a scene that
+    /// calls for no effect.
+    pub effects: Vec<EffectRuns>,
+    /// What aliases of each specular highlight, where [`Settings::stage_times`] asks.
+    pub lit: Vec<LitSurface>,
 }
 
 /// Renders scenes; keeps its buffers and threads from one picture to the next.
@@ -123,6 +137,12 @@ impl Renderer {
             return Err(Error::Setting(format!(
                 "tolerance {} is not within 0.0001 and 100 pixels",
                 settings.tolerance
+            )));
+        }
+        if !(0.0..=16.0).contains(&settings.spot_scale) {
+            return Err(Error::Setting(format!(
+                "a spot of {} pixels is not within 0 and 16",
+                settings.spot_scale
             )));
         }
         painter(settings.method, 1, 1)?;
@@ -245,7 +265,7 @@ impl Renderer {
             Some(pool) => pool.install(paint)?,
             None => paint()?,
         }
-        self.stages = Stages { times: vec![("picture", start.elapsed())], counts: Vec::new() };
+        self.stages = Stages { times: vec![("picture", start.elapsed())], ..Stages::default() };
         Ok(())
     }
 
@@ -261,7 +281,11 @@ impl Renderer {
         self.resize(viewport);
         let mut outlines = Outlines::new(scene, viewport, self.settings.method.is_jagged());
         let bands = BandLists::new(&outlines.shapes, viewport.height);
-        let (shaders, aliasing) = layers::shaders(scene, viewport, &self.settings)?;
+        let log = Log::new(self.settings.stage_times);
+        let shaders = match scene.calls_for_shaders() {
+            true => layers::shaders(scene, viewport, &self.settings, &log)?,
+            false => Vec::new(),
+        };
         let background = self.settings.background.map_or(Sheet::CLEAR, |[r, g, b, a]| {
             Sheet::new([r, g, b].map(|c| f32::from(c) / 255.0), f32::from(a) / 255.0)
         });
@@ -291,13 +315,17 @@ impl Renderer {
             false => self.stages.times.extend(laps),
         }
         self.stages.counts = self.take_counts();
-        if let Some(aliasing) = aliasing.filter(|aliasing| aliasing.pixels > 0) {
-            let cure = aliasing.sampling_rate.ceil() as u64;
-            let found =
-                [("highlight_pixels_aliasing", aliasing.pixels as u64), ("highlight_samples_a_side", cure)];
-            self.stages.counts.extend(found);
-        }
+        self.take_effects(&shaders, log);
         Ok(())
+    }
+
+    /// What has run besides the bands.
+    fn take_effects(&mut self, shaders: &[Option<Shader>], log: Log) {
+        let gradients = || shaders.iter().flatten().filter_map(Shader::as_gradient);
+        log.count("gradient", gradients().count() as u64);
+        log.count("colour map", gradients().filter(|gradient| gradient.has_table()).count() as u64);
+        let entries = log.into_entries();
+        (self.stages.effects, self.stages.lit) = (entries.effects, entries.lit);
     }
 
     /// The flattening tolerance: a dark mean of linear light errs more once it is encoded.

@@ -150,30 +150,33 @@ pub(crate) fn energy_ratio(exponent: f32, along: f32, across: f32) -> f32 {
     energy(exponent) * energy(exponent + 1.0) / (energy(along) * energy(across + 1.0))
 }
 
-/// What aliases on the surfaces looked at.
+/// What aliases of a highlight on a surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Aliasing {
+pub(super) struct Aliasing {
     /// Pixels where the highlight, as it is, would be sampled too sparsely.
-    pub pixels: usize,
+    pub pixels: u64,
     /// As many samples along a pixel's side would cure the worst of them.
     pub sampling_rate: f32,
 }
 
 impl Aliasing {
-    /// Adds a surface's, by the limit of this way to treat highlights.
-    pub(super) fn add(&mut self, surface: &Surface, exponent: f32, highlights: Highlights) {
+    /// By the limit of this way to treat highlights.
+    pub fn of(surface: &Surface, exponent: f32, highlights: Highlights) -> Aliasing {
         let band = band_of(highlights);
         let limit = band.smallest_dot(exponent);
+        let mut aliasing = Aliasing::default();
         for row in 0..surface.rows() {
             for column in 0..surface.width() {
                 let neighbours = Neighbours::of(surface, column, row);
                 let smallest = neighbours.smallest_dot(surface.normal(column, row));
                 if smallest < limit {
-                    self.pixels += 1;
-                    self.sampling_rate = self.sampling_rate.max(band.sampling_rate(exponent, smallest));
+                    aliasing.pixels += 1;
+                    aliasing.sampling_rate =
+                        aliasing.sampling_rate.max(band.sampling_rate(exponent, smallest));
                 }
             }
         }
+        aliasing
     }
 }
 

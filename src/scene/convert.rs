@@ -51,6 +51,7 @@ pub(super) fn scene(tree: &usvg::Tree, node: Option<&usvg::Node>) -> Result<Scen
         shapes: walk.shapes,
         clips: walk.clips,
         groups: walk.groups,
+        texts: walk.texts,
     })
 }
 
@@ -71,6 +72,7 @@ struct Walk {
     /// By the element in usvg's tree, the transform where it applies, and the clip outside it.
     known_clips: HashMap<(usize, [u64; 6], Option<ClipId>), ClipId>,
     groups: Vec<Group>,
+    texts: usize,
     warnings: Vec<Warning>,
     /// Images, by their bytes.
     images: HashMap<Arc<Vec<u8>>, Option<Arc<Layer>>>,
@@ -88,6 +90,7 @@ impl Default for Walk {
             clips: Vec::new(),
             known_clips: HashMap::new(),
             groups: vec![picture],
+            texts: 0,
             warnings: Vec::new(),
             images: HashMap::new(),
             nesting: 0,
@@ -101,7 +104,10 @@ impl Walk {
         match node {
             usvg::Node::Group(group) => self.group(group, place),
             usvg::Node::Path(path) => self.path(path, place),
-            usvg::Node::Text(text) => self.group(text.flattened(), place),
+            usvg::Node::Text(text) => {
+                self.texts += usize::from(text.flattened().has_children());
+                self.group(text.flattened(), place)
+            }
             usvg::Node::Image(image) if image.is_visible() => self.image(image, place),
             usvg::Node::Image(_) => Ok(()),
         }
@@ -234,8 +240,8 @@ impl Walk {
     }
 
     fn into_scene(self) -> Scene {
-        let Walk { shapes, clips, groups, warnings, .. } = self;
-        Scene { size: Size::ZERO, bounding_box: None, warnings, shapes, clips, groups }
+        let Walk { shapes, clips, groups, texts, warnings, .. } = self;
+        Scene { size: Size::ZERO, bounding_box: None, warnings, shapes, clips, groups, texts }
     }
 
     fn path(&mut self, path: &usvg::Path, place: Place) -> Result<(), Error> {
@@ -337,7 +343,10 @@ impl Walk {
                     }
                 }
                 usvg::Node::Group(group) => self.clip_group(group, transform, clip, members),
-                usvg::Node::Text(text) => self.clip_group(text.flattened(), transform, clip, members),
+                usvg::Node::Text(text) => {
+                    self.texts += usize::from(text.flattened().has_children());
+                    self.clip_group(text.flattened(), transform, clip, members);
+                }
                 usvg::Node::Path(_) | usvg::Node::Image(_) => {}
             }
         }

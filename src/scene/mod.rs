@@ -3,6 +3,7 @@
 //! A scene has no size in pixels: curves stay curves and strokes stay strokes until a picture is
 //! made of them. Shapes are listed back to front, as SVG paints them.
 
+pub mod census;
 pub(crate) mod color_map;
 mod convert;
 pub(crate) mod paint;
@@ -10,6 +11,7 @@ pub(crate) mod raster;
 
 pub mod load;
 
+pub use census::Census;
 pub use load::{FontSource, Limits};
 
 use crate::Error;
@@ -55,6 +57,8 @@ pub struct Scene {
     pub(crate) clips: Vec<Clip>,
     /// Groups that composite as one; number 0 is the picture itself. Parents stand before children.
     pub(crate) groups: Vec<Group>,
+    /// Texts that became shapes.
+    texts: usize,
 }
 
 /// One flat region of the drawing: a fill or the outline of a stroke.

@@ -277,14 +277,21 @@ impl Gradient {
         Some(Paint::Gradient(Box::new(Gradient { shape, spread, stops, transform, opaque })))
     }
 
-    /// Ready to be asked for colours at points in pixels.
-    pub fn shader(&self, to_pixels: Affine) -> GradientShader<'_> {
+    /// Ready to be asked for colours at points in pixels, each the mean over a spot this many times as
+    /// wide as a pixel.
+    pub fn shader(&self, to_pixels: Affine, spot_scale: f64) -> GradientShader<'_> {
         let to_plane = (to_pixels * self.transform).inverse();
         let to_plane = match self.shape {
             GradientShape::Linear(map) => map * to_plane,
             GradientShape::Radial { .. } => to_plane,
         };
-        GradientShader { gradient: self, to_plane, map: OnceLock::new() }
+        GradientShader { gradient: self, to_plane, spot_scale, map: OnceLock::new() }
+    }
+
+    /// Bytes of the table of its colour map, if one is made.
+    pub fn table_bytes(&self) -> u64 {
+        let each = std::mem::size_of::<[f64; 4]>() + std::mem::size_of::<Stop>();
+        ((self.stops.len() + 1) * each) as u64
     }
 
     /// The colour map at a parameter already spread into 0 ..= 1: straight RGBA.
@@ -324,6 +331,13 @@ impl Shader<'_> {
         }
     }
 
+    pub fn as_gradient(&self) -> Option<&GradientShader<'_>> {
+        match self {
+            Shader::Gradient(gradient) => Some(gradient),
+            Shader::Layer(..) => None,
+        }
+    }
+
     /// A sheet that lets no less light through than the paint does anywhere.
     pub fn least(&self) -> Sheet {
         match self {
@@ -339,11 +353,18 @@ pub(crate) struct GradientShader<'a> {
     gradient: &'a Gradient,
     /// From pixels to the gradient's plane.
     to_plane: Affine,
+    /// Width of the spot that a colour is the mean of, in pixels.
+    spot_scale: f64,
     /// Made for the first pixel in which the colour map turns.
     map: OnceLock<ColorMap>,
 }
 
 impl GradientShader<'_> {
+    /// Did the colour map turn within a pixel?
+    pub fn has_table(&self) -> bool {
+        self.map.get().is_some()
+    }
+
     /// The colour at a point in pixels; clear where a radial gradient has none.
     pub fn at(&self, x: f64, y: f64) -> Sheet {
         let Some(t) = self.parameter(self.to_plane * Point::new(x, y)) else {
@@ -391,7 +412,7 @@ impl GradientShader<'_> {
                 (step(0.5, 0.0), step(0.0, 0.5))
             }
         };
-        0.5 * along_x.hypot(along_y)
+        0.5 * self.spot_scale * along_x.hypot(along_y)
     }
 
     /// Has the colour map a stop, or an end, strictly between two parameters?

@@ -3,8 +3,9 @@
 //! distances are pixels, the layer's border has normals of its own.
 
 use super::Job;
-use crate::effects::highlights::Phong;
+use crate::effects::highlights::{Aliasing, Phong};
 use crate::effects::layer::{pixel_of, unit, IntRect, Layer, Pixel, Space};
+use crate::effects::log::LitSurface;
 use kurbo::{Affine, Point};
 use usvg::filter::{DiffuseLighting, LightSource, SpecularLighting};
 
@@ -40,12 +41,24 @@ pub(super) fn diffuse(heights: &Layer, fe: &DiffuseLighting, space: Space, to_pi
     })
 }
 
-/// feSpecularLighting: as opaque as it is bright.
-pub(super) fn specular(heights: &Layer, fe: &SpecularLighting, space: Space, job: &mut Job) -> Layer {
+/// feSpecularLighting, of the filter with this id: as opaque as it is bright.
+pub(super) fn specular(
+    heights: &Layer,
+    fe: &SpecularLighting,
+    space: Space,
+    (filter, job): (&str, &Job),
+) -> Layer {
     let light = Light::new(fe.light_source(), job.to_canvas);
     let surface = Surface::new(heights, fe.surface_scale());
-    if let Some(aliasing) = &mut job.aliasing {
-        aliasing.add(&surface, fe.specular_exponent(), job.highlights);
+    if job.log.is_timed() {
+        let aliasing = Aliasing::of(&surface, fe.specular_exponent(), job.highlights);
+        job.log.lit(LitSurface {
+            filter: filter.to_string(),
+            exponent: fe.specular_exponent(),
+            pixels: surface.rect.area(),
+            aliasing: aliasing.pixels,
+            sampling_rate: aliasing.sampling_rate,
+        });
     }
     let color = pixel_of(fe.lighting_color(), 1.0, space);
     let phong = Phong::new(fe.specular_exponent(), job.highlights);

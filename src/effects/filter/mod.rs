@@ -33,8 +33,9 @@ mod turbulence;
 #[cfg(test)]
 mod tests;
 
-use crate::effects::highlights::{Aliasing, Highlights};
+use crate::effects::highlights::Highlights;
 use crate::effects::layer::{pixel_of, IntRect, Layer, Pixel, Space};
+use crate::effects::log::Log;
 use crate::Error;
 use kurbo::{Affine, Rect};
 use region::{pixels_of, scales, LAST_BITS};
@@ -52,8 +53,9 @@ pub(crate) struct Job<'a> {
     /// From the group's user units to the canvas ([`region::Canvas::to_canvas`]).
     pub to_canvas: Affine,
     pub highlights: Highlights,
-    /// Where there is one, what aliases of the highlights, were they drawn as they are, is added to it.
-    pub aliasing: Option<Aliasing>,
+    /// Tables over noise are averaged over a pixel ([`crate::Settings::index_aa`]).
+    pub index_aa: bool,
+    pub log: &'a Log,
     pub draw: &'a mut DrawContent<'a>,
 }
 
@@ -84,8 +86,7 @@ pub(crate) fn apply(
 /// [`Error::Limit`] when a filter would hold too many pixels.
 pub(crate) fn affordable(filters: &[Arc<Filter>], regions: &[IntRect]) -> Result<(), Error> {
     for (filter, region) in filters.iter().zip(regions) {
-        let (_, last_use) = origins_and_last_use(filter.primitives());
-        let held = region.area().saturating_mul(most_layers(&last_use) as u64);
+        let held = held_pixels(filter, *region);
         if held > MOST_PIXELS_HELD {
             return Err(Error::Limit(format!(
                 "the filter '{}' has to hold {held} pixels at once, more than {MOST_PIXELS_HELD} \
@@ -95,6 +96,42 @@ pub(crate) fn affordable(filters: &[Arc<Filter>], regions: &[IntRect]) -> Result
         }
     }
     Ok(())
+}
+
+/// Pixels that a filter holds at once, at most.
+pub(crate) fn held_pixels(filter: &Filter, region: IntRect) -> u64 {
+    let (_, last_use) = origins_and_last_use(filter.primitives());
+    region.area().saturating_mul(most_layers(&last_use) as u64)
+}
+
+/// The primitives of a filter that are run, by name, in order.
+pub(crate) fn passes(filter: &Filter) -> Vec<&'static str> {
+    let (origins, _) = origins_and_last_use(filter.primitives());
+    let run = filter.primitives().iter().zip(&origins).filter(|(_, origins)| origins.is_some());
+    run.map(|(primitive, _)| name(primitive.kind())).collect()
+}
+
+/// What SVG calls a primitive.
+fn name(kind: &Kind) -> &'static str {
+    match kind {
+        Kind::Blend(_) => "feBlend",
+        Kind::ColorMatrix(_) => "feColorMatrix",
+        Kind::ComponentTransfer(_) => "feComponentTransfer",
+        Kind::Composite(_) => "feComposite",
+        Kind::ConvolveMatrix(_) => "feConvolveMatrix",
+        Kind::DiffuseLighting(_) => "feDiffuseLighting",
+        Kind::DisplacementMap(_) => "feDisplacementMap",
+        Kind::DropShadow(_) => "feDropShadow",
+        Kind::Flood(_) => "feFlood",
+        Kind::GaussianBlur(_) => "feGaussianBlur",
+        Kind::Image(_) => "feImage",
+        Kind::Merge(_) => "feMerge",
+        Kind::Morphology(_) => "feMorphology",
+        Kind::Offset(_) => "feOffset",
+        Kind::SpecularLighting(_) => "feSpecularLighting",
+        Kind::Tile(_) => "feTile",
+        Kind::Turbulence(_) => "feTurbulence",
+    }
 }
 
 /// What a primitive made.
@@ -150,7 +187,8 @@ impl<'a> Run<'a> {
         }
         for (number, primitive) in filter.primitives().iter().enumerate() {
             if self.origins[number].is_some() {
-                let made = self.primitive(number, primitive, job)?;
+                let log = job.log;
+                let made = log.run(name(primitive.kind()), || self.primitive(number, primitive, job))?;
                 self.results[number] = Some(made);
             }
         }
@@ -238,7 +276,9 @@ impl<'a> Run<'a> {
                 turbulence::noise(fe, space, self.region, to_canvas, user_rect(primitive))
             }
             Kind::DiffuseLighting(fe) => light::diffuse(&self.input(number, 0).layer, fe, space, to_canvas),
-            Kind::SpecularLighting(fe) => light::specular(&self.input(number, 0).layer, fe, space, job),
+            Kind::SpecularLighting(fe) => {
+                light::specular(&self.input(number, 0).layer, fe, space, (self.filter.id(), job))
+            }
             Kind::Image(fe) => self.image(fe, subregion, job)?,
         })
     }
