@@ -45,7 +45,9 @@ pub(crate) fn shaders<'a>(
     for shape in &scene.shapes {
         let shader = match &shape.paint {
             Paint::Flat(_) => None,
-            Paint::Gradient(gradient) => Some(Shader::Gradient(gradient.shader(viewport.transform, settings.spot_scale))),
+            Paint::Gradient(gradient) => {
+                Some(Shader::Gradient(gradient.shader(viewport.transform, settings.spot_scale)))
+            }
             Paint::Layer(layer, by) => Some(Shader::Layer(layer.clone(), *by)),
             Paint::Raster(raster) => {
                 Some(Shader::Layer(Arc::new(artist.layer(raster, shape, &shaders)?), (0, 0)))

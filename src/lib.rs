@@ -110,8 +110,8 @@ pub use effects::log::{EffectRuns, LitSurface};
 pub use error::Error;
 pub use methods::Method;
 pub use pixmap::Pixmap;
-pub use render::{Renderer, Settings, Stages, Viewport};
 pub use plan::Plan;
+pub use render::{Renderer, Settings, Stages, Viewport};
 pub use scene::{Census, FontSource, Limits, Options, Scene, Warning};
 
 /// The geometry types of the public interface ([`kurbo::Affine`] and friends).

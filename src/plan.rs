@@ -10,6 +10,7 @@ use crate::effects::layer::{IntRect, Pixel};
 use crate::layers::{copied_size, over, place_of, tiles_to_draw, MOST_PIXELS};
 use crate::methods::{painter, Painter};
 use crate::polygons::Flattener;
+use crate::render::rows_at_once;
 use crate::scene::census::stands_for_a_layer;
 use crate::scene::paint::Paint;
 use crate::scene::raster::{Mask, Raster, RasterGroup, Source};
@@ -34,6 +35,8 @@ pub struct Plan {
     pub color_map_bytes: u64,
     /// The picture is made band by band and is never in memory whole; layers are.
     pub streams: bool,
+    /// Rows of the picture that are in memory at once.
+    pub rows_at_once: u32,
     /// Why rendering will refuse, if it will.
     pub refused: Option<String>,
 }
@@ -76,7 +79,11 @@ impl Plan {
     /// [`Error::Setting`] when the method has a number that it cannot have.
     pub fn of(scene: &Scene, viewport: &Viewport, settings: &Settings) -> Result<Plan, Error> {
         let streams = matches!(painter(settings.method, 1, 1)?, Painter::Bands(_));
-        let mut planner = Planner { settings, plan: Plan { streams, ..Plan::default() } };
+        let rows_at_once = match streams {
+            true => rows_at_once(settings.thread_count()).min(viewport.height),
+            false => viewport.height,
+        };
+        let mut planner = Planner { settings, plan: Plan { streams, rows_at_once, ..Plan::default() } };
         planner.scene(scene, viewport, 0);
         let mut plan = planner.plan;
         let outer = || plan.layers.iter().filter(|layer| layer.depth == 0);
@@ -259,8 +266,7 @@ impl Planner<'_> {
                     * Affine::translate(-place.origin().to_vec2());
                 made.passes.push(pass("one tile drawn", one));
                 made.passes.push(pass("copied", rect));
-                made.bytes =
-                    rect.area() * BYTES_PER_PIXEL + self.content(tile, to_tile, one, depth);
+                made.bytes = rect.area() * BYTES_PER_PIXEL + self.content(tile, to_tile, one, depth);
             }
         }
         made

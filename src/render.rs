@@ -74,6 +74,14 @@ impl Settings {
     /// A hundredth of a second or so for a pixel.
     pub const DEFAULT_MOST_WORK: u32 = 30_000;
 
+    /// Threads that [`Settings::threads`] comes to.
+    pub fn thread_count(&self) -> usize {
+        match self.threads {
+            0 => std::thread::available_parallelism().map_or(1, usize::from),
+            threads => threads,
+        }
+    }
+
     /// The defaults of a method: curves are flattened only as finely as it can show.
     pub fn of(method: Method) -> Settings {
         Settings { method, tolerance: method.tolerance(), ..Settings::default() }
@@ -116,6 +124,11 @@ pub struct Stages {
     pub lit: Vec<LitSurface>,
 }
 
+/// Rows that are made before they are handed on: of four bands for each thread.
+pub(crate) fn rows_at_once(threads: usize) -> u32 {
+    4 * threads as u32 * BAND_ROWS
+}
+
 /// Renders scenes; keeps its buffers and threads from one picture to the next.
 pub struct Renderer {
     settings: Settings,
@@ -146,10 +159,7 @@ impl Renderer {
             )));
         }
         painter(settings.method, 1, 1)?;
-        let threads = match settings.threads {
-            0 => std::thread::available_parallelism().map_or(1, usize::from),
-            threads => threads,
-        };
+        let threads = settings.thread_count();
         let pool = match threads {
             1 => None,
             _ => Some(
@@ -221,9 +231,10 @@ impl Renderer {
             return sink(self.render(scene, viewport)?.data());
         }
         let stride = width as usize * Pixmap::BYTES_PER_PIXEL;
-        let at_once = 4 * self.pool.as_ref().map_or(1, rayon::ThreadPool::current_num_threads);
+        let rows = rows_at_once(self.pool.as_ref().map_or(1, rayon::ThreadPool::current_num_threads));
+        let at_once = (rows / BAND_ROWS) as usize;
         let bands = band_count(height);
-        let mut buffer = vec![0; stride * (at_once * BAND_ROWS as usize).min(height as usize)];
+        let mut buffer = vec![0; stride * rows.min(height) as usize];
         let mut first = 0;
         self.prepare(scene, viewport, |renderer, picture, more| {
             let last = (first + at_once).min(bands);

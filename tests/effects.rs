@@ -166,18 +166,72 @@ fn a_sharp_highlight_on_a_small_bump_is_clamped_and_told_of_only_where_asked() {
     for highlights in [Highlights::Clamp, Highlights::Aggressive, Highlights::Supersample] {
         assert_ne!(lit(highlights), as_is, "{highlights:?}");
     }
-    let counts = |stage_times| {
+    let lit = |stage_times| {
         let svg = format!("<svg xmlns='http://www.w3.org/2000/svg' width='16' height='16'>{body}</svg>");
         let scene = Scene::from_bytes(svg.as_bytes(), &Options::default()).expect("a drawing");
         let mut renderer =
             Renderer::new(Settings { stage_times, ..Settings::default() }).expect("a renderer");
         renderer.render(&scene, &Viewport::fit(&scene, 16, 16)).expect("a picture");
-        let named = |name| renderer.stages().counts.iter().find(|count| count.0 == name).map(|count| count.1);
-        (named("highlight_pixels_aliasing"), named("highlight_samples_a_side"))
+        renderer.stages().lit.clone()
     };
-    assert_eq!(counts(false), (None, None));
-    let (pixels, samples) = counts(true);
-    assert!(pixels > Some(0) && samples > Some(1), "{pixels:?} {samples:?}");
+    assert_eq!(lit(false), []);
+    let [only] = &lit(true)[..] else { panic!("one light") };
+    assert_eq!((&only.filter[..], only.exponent, only.pixels), ("f", 128.0, 256));
+    assert!(only.aliasing > 0 && only.sampling_rate > 1.0, "{only:?}");
+}
+
+#[test]
+fn a_highlight_that_does_not_alias_has_the_same_bytes_however_it_is_treated() {
+    // A dome some hundred pixels wide, and an exponent that suits it.
+    let body = "<filter id='f' primitiveUnits='userSpaceOnUse' x='0' y='0' width='96' height='96'>
+        <feGaussianBlur stdDeviation='12'/>
+        <feSpecularLighting surfaceScale='30' specularExponent='12' lighting-color='#fff'>
+        <feDistantLight azimuth='225' elevation='60'/></feSpecularLighting></filter>
+        <g filter='url(#f)'><circle cx='48' cy='48' r='40'/></g>";
+    let lit = |highlights| {
+        let settings = Settings { highlights, stage_times: true, ..Settings::default() };
+        render_with(96, 96, body, settings)
+    };
+    let as_is = lit(Highlights::AsIs);
+    assert!(as_is.data().iter().any(|&level| level > 100), "something shines");
+    for highlights in [Highlights::Clamp, Highlights::Aggressive, Highlights::Supersample] {
+        assert_eq!(lit(highlights), as_is, "{highlights:?}");
+    }
+}
+
+/// The sample of cylinders and cones, moved by a share of a pixel.
+fn cylinders_and_cones(highlights: Highlights, moved: f64) -> Pixmap {
+    let svg =
+        std::fs::read(concat!(env!("CARGO_MANIFEST_DIR"), "/samples/highlights.svg")).expect("a sample");
+    let scene = Scene::from_bytes(&svg, &Options::default()).expect("a drawing");
+    assert!(scene.warnings().is_empty(), "{:?}", scene.warnings());
+    let mut viewport = Viewport::fit(&scene, 320, 136);
+    viewport.transform = toon_raster::kurbo::Affine::translate((moved, 0.0)) * viewport.transform;
+    let mut renderer = Renderer::new(Settings { highlights, ..Settings::default() }).expect("a renderer");
+    renderer.render(&scene, &viewport).expect("a picture")
+}
+
+#[test]
+fn cylinders_and_cones_flicker_less_where_their_highlights_are_clamped() {
+    // The light of the thinnest cylinders, and of the smallest cone, while the drawing moves by a pixel.
+    let flicker = |highlights, (left, right): (u32, u32)| {
+        let light = |step: u32| -> f64 {
+            let picture = cylinders_and_cones(highlights, f64::from(step) / 8.0);
+            let pixels = (left..right).flat_map(|x| (20..116).map(move |y| (x, y)));
+            pixels.map(|(x, y)| f64::from(picture.pixel(x, y)[0])).sum()
+        };
+        let sums: Vec<f64> = (0..8).map(light).collect();
+        let mean = sums.iter().sum::<f64>() / 8.0;
+        (sums.iter().map(|sum| (sum - mean) * (sum - mean)).sum::<f64>() / 8.0).sqrt() / mean
+    };
+    for columns in [(112, 150), (288, 312)] {
+        let as_is = flicker(Highlights::AsIs, columns);
+        for highlights in [Highlights::Clamp, Highlights::Aggressive, Highlights::Supersample] {
+            let treated = flicker(highlights, columns);
+            println!("columns {columns:?}: {highlights:?} {as_is:.5} -> {treated:.5}");
+            assert!(treated < as_is, "{highlights:?}: {treated} was {as_is}");
+        }
+    }
 }
 
 #[test]

@@ -309,8 +309,7 @@ fn render_job(mut arguments: Arguments) -> Result<Job, String> {
     if let Some(origin) = frames_of(&arguments, &wanted)? {
         return frames_job(arguments, origin, wanted);
     }
-    let plan =
-        places::plan(&arguments.paths, wanted, arguments.file.format, arguments.file.start_number)?;
+    let plan = places::plan(&arguments.paths, wanted, arguments.file.format, arguments.file.start_number)?;
     picture_job(arguments, plan).map(|(job, _)| Job::Render(job))
 }
 

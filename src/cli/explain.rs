@@ -40,17 +40,18 @@ pub fn run(job: ExplainJob) -> ExitCode {
 fn run_here(mut job: ExplainJob) -> ExitCode {
     let inputs = std::mem::take(&mut job.inputs);
     let mut failures = Vec::new();
-    for (number, source) in inputs.iter().enumerate() {
+    let mut above = "";
+    for source in &inputs {
         match report::catching(|| one(&mut job, source)) {
             Ok(explanation) => {
-                let text = match job.json {
-                    true => explanation.json(),
-                    false if number == 0 => explanation.table(),
-                    false => format!("\n{}", explanation.table()),
+                let printed = match job.json {
+                    true => report::print(&explanation.json()),
+                    false => report::print(&format!("{above}{}", explanation.table())),
                 };
-                if report::print(&text) != ExitCode::SUCCESS {
-                    return report::exit_code(inputs.len() + 1, &[Failure::io("")]);
+                if printed != ExitCode::SUCCESS {
+                    return printed;
                 }
+                above = "\n";
             }
             Err(failure) => {
                 report::failure(&source.name(), &failure);
@@ -85,7 +86,7 @@ fn one(job: &mut ExplainJob, source: &Source) -> Result<Explanation, Failure> {
         width: viewport.width,
         height: viewport.height,
         method: job.settings.method.to_string(),
-        threads: render::threads(&job.settings),
+        threads: job.settings.thread_count(),
         motion: Motion::of(&bytes, &job.options),
         not_drawn: warnings.map(not_drawn).collect(),
         settings: job.settings.clone(),
@@ -206,12 +207,28 @@ impl Explanation {
             ("masks", masks, "a layer of pixels for the content and one for the mask"),
             ("linear_gradients", linear_gradients, gradient),
             ("radial_gradients", radial_gradients, gradient),
-            ("patterns", patterns, "a layer of pixels; tiles drawn one by one, or one copied if there are many"),
-            ("images", images, "decoded once; a layer by summed areas where smaller, by four samples where larger"),
-            ("filters", filters, "a layer of pixels over the filter region, and one for each primitive in use"),
+            (
+                "patterns",
+                patterns,
+                "a layer of pixels; tiles drawn one by one, or one copied if there are many",
+            ),
+            (
+                "images",
+                images,
+                "decoded once; a layer by summed areas where smaller, by four samples where larger",
+            ),
+            (
+                "filters",
+                filters,
+                "a layer of pixels over the filter region, and one for each primitive in use",
+            ),
             ("highlights", highlights, highlight),
             ("text", text, "fonts are loaded; outlines like any others"),
-            ("blend_modes", blend_modes, "a layer of pixels, and what lies below it drawn a second time there"),
+            (
+                "blend_modes",
+                blend_modes,
+                "a layer of pixels, and what lies below it drawn a second time there",
+            ),
             ("animation", self.motion.count(), "a document for each frame, parsed and drawn like any other"),
         ]
         .map(|(name, count, machinery)| Effect { name, count, machinery })
@@ -314,11 +331,8 @@ impl Explanation {
             let _ = writeln!(text, "{name:>18} {count:>9}  {words}");
         };
         if !plan.layers.is_empty() {
-            let words = format!(
-                "in {} layers, {} at most at once",
-                plan.layers.len(),
-                mebibytes(plan.layer_bytes)
-            );
+            let words =
+                format!("in {} layers, {} at most at once", plan.layers.len(), mebibytes(plan.layer_bytes));
             line("layer pixels", &plan.layer_pixels().to_string(), &words);
         }
         if plan.color_map_bytes > 0 {
@@ -348,11 +362,14 @@ impl Explanation {
         for what in &self.not_drawn {
             line("not drawn", "", what);
         }
-        let rows = match plan.streams {
-            true => "rows are handed on as they are made: the picture is never in memory whole",
-            false => "the method holds the picture whole",
+        let at_once = u64::from(plan.rows_at_once) * u64::from(self.width) * 4;
+        let words = match plan.streams {
+            true => {
+                format!("{} rows at a time, {}; layers are held whole", plan.rows_at_once, mebibytes(at_once))
+            }
+            false => format!("the method holds the picture whole, {}", mebibytes(at_once)),
         };
-        line("streams", if plan.streams { "yes" } else { "no" }, rows);
+        line("streams", if plan.streams { "yes" } else { "no" }, &words);
         if let Some(why) = &plan.refused {
             line("refused", "", why);
         }

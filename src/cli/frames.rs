@@ -166,7 +166,7 @@ impl Studio {
         if frames.is_empty() && job.options.chunk.is_none() {
             return Err(Failure::input("no frame of it is in --frames"));
         }
-        let threads = render::threads(&job.picture.settings);
+        let threads = job.picture.settings.thread_count();
         let cels = Cels::new((AHEAD + 1) * threads);
         let painted = AtomicU64::new(0);
         Ok(Studio { job, frames, rate, timeline, viewport, cels, threads, started, painted })

@@ -142,9 +142,6 @@ mod tests {
         let log = Log::new(false);
         log.run("mask", || std::thread::sleep(NAP));
         log.count("gradient", 0);
-        assert_eq!(
-            log.into_entries().effects,
-            [EffectRuns { name: "mask", runs: 1, time: Duration::ZERO }]
-        );
+        assert_eq!(log.into_entries().effects, [EffectRuns { name: "mask", runs: 1, time: Duration::ZERO }]);
     }
 }

@@ -1,7 +1,11 @@
 //! Takes a layer, changes each pixel's colour by itself: feColorMatrix and feComponentTransfer. Both
 //! see straight colour, and clamp what they make.
+//!
+//! A table over noise aliases where the noise goes through several of its entries within a pixel. Worley's
+//! cure (Texturing & Modeling, ch. 5): a few samples of the noise in the pixel, sorted, are a distribution
+//! that is even between neighbours, and the table's mean over that is a difference of its integrals.
 
-use crate::effects::layer::Layer;
+use crate::effects::layer::{premultiplied, straight, unit, IntRect, Layer};
 use usvg::filter::{ColorMatrixKind, ComponentTransfer, TransferFunction};
 
 /// feColorMatrix.
@@ -57,6 +61,73 @@ pub(super) fn transfer(layer: Layer, functions: &ComponentTransfer) -> Layer {
     layer.map_straight(|pixel| std::array::from_fn(|i| transferred(functions[i], pixel[i])))
 }
 
+/// feComponentTransfer, averaged within a rectangle over the spot of each pixel: `middles` has the middles
+/// of the spots, `corners` their upper left corners, of which each spot has four.
+pub(super) fn transfer_over_spots(
+    middles: Layer,
+    corners: &Layer,
+    functions: &ComponentTransfer,
+    within: IntRect,
+) -> Layer {
+    let tables = [functions.func_r(), functions.func_g(), functions.func_b(), functions.func_a()]
+        .map(|function| SumTable::of(|c| unit(transferred(function, c))));
+    let mut made = transfer(middles.clone(), functions);
+    let within = within.intersect(made.rect());
+    for y in within.y()..within.bottom() {
+        for (x, pixel) in (within.x()..).zip(made.span_mut(y, within)) {
+            let samples = [
+                middles.pixel(x, y),
+                corners.pixel(x, y),
+                corners.pixel(x + 1, y),
+                corners.pixel(x, y + 1),
+                corners.pixel(x + 1, y + 1),
+            ]
+            .map(straight);
+            *pixel = premultiplied(std::array::from_fn(|i| tables[i].mean_over(samples.map(|s| s[i]))));
+        }
+    }
+    made
+}
+
+/// The integral of a function over 0 ..= 1.
+struct SumTable {
+    sums: Vec<f64>,
+}
+
+impl SumTable {
+    /// Steps of the table: a jump of the function is at most half of one off its place.
+    const STEPS: usize = 1 << 14;
+
+    fn of(function: impl Fn(f32) -> f32) -> SumTable {
+        let mut sums = Vec::with_capacity(Self::STEPS + 1);
+        let mut sum = 0.0;
+        for i in 0..=Self::STEPS {
+            sums.push(sum);
+            sum += f64::from(function((i as f32 + 0.5) / Self::STEPS as f32)) / Self::STEPS as f64;
+        }
+        SumTable { sums }
+    }
+
+    fn integral(&self, c: f32) -> f64 {
+        let at = f64::from(c) * Self::STEPS as f64;
+        let step = (at as usize).min(Self::STEPS - 1);
+        self.sums[step] + (at - step as f64) * (self.sums[step + 1] - self.sums[step])
+    }
+
+    /// The mean over values that lie evenly between each of these and the next greater one.
+    fn mean_over<const N: usize>(&self, mut samples: [f32; N]) -> f32 {
+        samples.sort_by(f32::total_cmp);
+        let mean = |pair: &[f32]| {
+            let middle = 0.5 * (pair[0] + pair[1]);
+            // No narrower than a step.
+            let reach = (0.5 * (pair[1] - pair[0])).max(0.5 / Self::STEPS as f32);
+            let (from, to) = ((middle - reach).max(0.0), (middle + reach).min(1.0));
+            (self.integral(to) - self.integral(from)) / f64::from(to - from)
+        };
+        (samples.windows(2).map(mean).sum::<f64>() / (N - 1) as f64) as f32
+    }
+}
+
 /// Components are sums of rounded products: one this close below a step is on it.
 const ON_THE_STEP: f32 = 1e-5;
 
@@ -104,6 +175,27 @@ mod tests {
             assert_eq!(transferred(&empty, 0.3), 0.3);
         }
         assert_eq!(transferred(&TransferFunction::Table(vec![0.7]), 0.3), 0.7);
+    }
+
+    #[test]
+    fn a_table_s_mean_over_sorted_samples_is_that_of_many_values() {
+        let steps = TransferFunction::Discrete(vec![0.0, 1.0, 0.25, 0.75, 0.5]);
+        let gamma = TransferFunction::Gamma { amplitude: 1.5, exponent: 2.0, offset: -0.2 };
+        for function in [steps, gamma] {
+            let value = |c: f32| unit(transferred(&function, c));
+            let table = SumTable::of(value);
+            for samples in [[0.7, 0.1, 0.3, 0.95, 0.3], [0.0, 1.0, 0.5, 0.2, 0.21], [0.4; 5]] {
+                let mut sorted = samples;
+                sorted.sort_by(f32::total_cmp);
+                let between = |pair: &[f32]| {
+                    let points = (0..5000).map(|i| (i as f32 + 0.5) / 5000.0);
+                    points.map(|s| f64::from(value(pair[0] + s * (pair[1] - pair[0])))).sum::<f64>() / 5000.0
+                };
+                let mean = sorted.windows(2).map(between).sum::<f64>() / 4.0;
+                let found = f64::from(table.mean_over(samples));
+                assert!((found - mean).abs() < 1e-3, "{samples:?}: {found}, not {mean}");
+            }
+        }
     }
 
     #[test]

@@ -255,7 +255,12 @@ impl<'a> Run<'a> {
                 merged
             }
             Kind::ColorMatrix(fe) => color::matrix(self.input_in(number, 0, space), fe.kind()),
-            Kind::ComponentTransfer(fe) => color::transfer(self.input_in(number, 0, space), fe),
+            Kind::ComponentTransfer(fe) => match self.noise_corners(number, space, job) {
+                None => color::transfer(self.input_in(number, 0, space), fe),
+                Some((corners, within)) => {
+                    color::transfer_over_spots(self.input_in(number, 0, space), &corners, fe, within)
+                }
+            },
             Kind::ConvolveMatrix(fe) => convolve::apply(self.input_in(number, 0, space), fe)?,
             Kind::Morphology(fe) => morphology::apply(
                 self.input_in(number, 0, space),
@@ -316,6 +321,37 @@ impl<'a> Run<'a> {
     /// The first two inputs: in and in2.
     fn inputs_in(&mut self, number: usize, space: Space) -> (Layer, Layer) {
         (self.input_in(number, 0, space), self.input_in(number, 1, space))
+    }
+
+    /// If index anti-aliasing is asked for and the input is noise, recoloured perhaps: the same at the
+    /// corners of pixels, and where it has not been cut off.
+    fn noise_corners(&self, number: usize, space: Space, job: &Job) -> Option<(Layer, IntRect)> {
+        if !job.index_aa {
+            return None;
+        }
+        let primitives = self.filter.primitives();
+        let mut recolouring = Vec::new();
+        let mut within = self.region;
+        let mut at = number;
+        loop {
+            let &[Origin::Result(of)] = self.origins(at) else { return None };
+            let primitive = &primitives[of];
+            let own_space = Space::from(primitive.color_interpolation());
+            within = within.intersect(pixels_of(primitive.rect(), job.to_canvas));
+            match primitive.kind() {
+                Kind::ColorMatrix(fe) => recolouring.push((fe, own_space)),
+                Kind::Turbulence(fe) => {
+                    let tile = user_rect(primitive);
+                    let mut corners = turbulence::corners(fe, own_space, self.region, job.to_canvas, tile);
+                    for (fe, space) in recolouring.into_iter().rev() {
+                        corners = color::matrix(corners.into_space(space), fe.kind());
+                    }
+                    return Some((corners.into_space(space), within));
+                }
+                _ => return None,
+            }
+            at = of;
+        }
     }
 
     fn offset(&mut self, number: usize, (dx, dy): (f64, f64)) -> Layer {

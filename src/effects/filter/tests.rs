@@ -75,13 +75,8 @@ fn filtered_by_us(svg: &str, source: Layer, highlights: Highlights) -> Result<La
     let canvas = Canvas::new(transform).unwrap();
     let regions = regions(group.filters(), canvas.to_canvas, canvas.rect_of(picture));
     let log = Log::default();
-    let mut job = Job {
-        to_canvas: canvas.to_canvas,
-        highlights,
-        index_aa: false,
-        log: &log,
-        draw: &mut draw_by_resvg,
-    };
+    let mut job =
+        Job { to_canvas: canvas.to_canvas, highlights, index_aa: false, log: &log, draw: &mut draw_by_resvg };
     let layer = apply(group.filters(), &regions, source, &mut job)?;
     Ok(canvas.shown(layer, picture).over_rect(picture))
 }

@@ -85,7 +85,9 @@ pub(super) fn paint(
     let background = settings.background.map_or(Sheet::CLEAR, sheet_of);
     let shader = |paint| match paint {
         &Paint::Flat(_) => None,
-        Paint::Gradient(gradient) => Some(Shader::Gradient(gradient.shader(viewport.transform, settings.spot_scale))),
+        Paint::Gradient(gradient) => {
+            Some(Shader::Gradient(gradient.shader(viewport.transform, settings.spot_scale)))
+        }
         Paint::Raster(_) | Paint::Layer(..) => unreachable!("refused above"),
     };
     let shaders: Vec<Option<Shader>> = scene.shapes.iter().map(|shape| shader(&shape.paint)).collect();
