@@ -2,8 +2,8 @@
 //! see straight colour, and clamp what they make.
 //!
 //! A table over noise aliases where the noise goes through several of its entries within a pixel. Worley's
-//! cure (Texturing & Modeling, ch. 5): a few samples of the noise in the pixel, sorted, are a distribution
-//! that is even between neighbours, and the table's mean over that is a difference of its integrals.
+//! cure (Texturing & Modeling, ch. 5): a few samples of the noise in the pixel tell how its values are
+//! distributed there, and the table's mean over each even stretch of them is a difference of its integrals.
 
 use crate::effects::layer::{premultiplied, straight, unit, IntRect, Layer};
 use usvg::filter::{ColorMatrixKind, ComponentTransfer, TransferFunction};
@@ -75,15 +75,10 @@ pub(super) fn transfer_over_spots(
     let within = within.intersect(made.rect());
     for y in within.y()..within.bottom() {
         for (x, pixel) in (within.x()..).zip(made.span_mut(y, within)) {
-            let samples = [
-                middles.pixel(x, y),
-                corners.pixel(x, y),
-                corners.pixel(x + 1, y),
-                corners.pixel(x, y + 1),
-                corners.pixel(x + 1, y + 1),
-            ]
-            .map(straight);
-            *pixel = premultiplied(std::array::from_fn(|i| tables[i].mean_over(samples.map(|s| s[i]))));
+            let middle = straight(middles.pixel(x, y));
+            let corners = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(i, j)| straight(corners.pixel(x + i, y + j)));
+            let mean = |i: usize| tables[i].mean_over_spot(middle[i], corners.map(|corner| corner[i]));
+            *pixel = premultiplied(std::array::from_fn(mean));
         }
     }
     made
@@ -114,17 +109,33 @@ impl SumTable {
         self.sums[step] + (at - step as f64) * (self.sums[step + 1] - self.sums[step])
     }
 
-    /// The mean over values that lie evenly between each of these and the next greater one.
-    fn mean_over<const N: usize>(&self, mut samples: [f32; N]) -> f32 {
-        samples.sort_by(f32::total_cmp);
-        let mean = |pair: &[f32]| {
-            let middle = 0.5 * (pair[0] + pair[1]);
-            // No narrower than a step.
-            let reach = (0.5 * (pair[1] - pair[0])).max(0.5 / Self::STEPS as f32);
-            let (from, to) = ((middle - reach).max(0.0), (middle + reach).min(1.0));
-            (self.integral(to) - self.integral(from)) / f64::from(to - from)
+    /// The mean over a square of values known in its middle and its corners (row by row): between the
+    /// corners they are bilinear, plus what the middle has more. They are walked along lines in the direction
+    /// of the greater change, on each of which they go evenly from side to middle to side.
+    fn mean_over_spot(&self, middle: f32, [a, b, c, d]: [f32; 4]) -> f32 {
+        const LINES: usize = 8;
+        let across = (b - a).abs() + (d - c).abs() >= (c - a).abs() + (d - b).abs();
+        let (a, b, c, d) = if across { (a, b, c, d) } else { (a, c, b, d) };
+        let more = middle - 0.25 * (a + b + c + d);
+        let line = |i: usize| {
+            let share = (i as f32 + 0.5) / LINES as f32;
+            let (left, right) = (a + (c - a) * share, b + (d - b) * share);
+            let middle = 0.5 * (left + right) + more * 4.0 * share * (1.0 - share);
+            self.mean(left, middle) + self.mean(middle, right)
         };
-        (samples.windows(2).map(mean).sum::<f64>() / (N - 1) as f64) as f32
+        (0.5 / LINES as f64 * (0..LINES).map(line).sum::<f64>()) as f32
+    }
+
+    /// The mean between two values.
+    fn mean(&self, one: f32, other: f32) -> f64 {
+        let middle = 0.5 * (one + other);
+        // No narrower than a step.
+        let reach = (0.5 * (other - one).abs()).max(0.5 / Self::STEPS as f32);
+        let (from, to) = ((middle - reach).max(0.0), (middle + reach).min(1.0));
+        if from >= to {
+            return 0.0;
+        }
+        (self.integral(to) - self.integral(from)) / f64::from(to - from)
     }
 }
 
@@ -178,22 +189,23 @@ mod tests {
     }
 
     #[test]
-    fn a_table_s_mean_over_sorted_samples_is_that_of_many_values() {
+    fn a_table_s_mean_over_a_spot_is_that_of_many_points_in_it() {
         let steps = TransferFunction::Discrete(vec![0.0, 1.0, 0.25, 0.75, 0.5]);
         let gamma = TransferFunction::Gamma { amplitude: 1.5, exponent: 2.0, offset: -0.2 };
         for function in [steps, gamma] {
             let value = |c: f32| unit(transferred(&function, c));
             let table = SumTable::of(value);
-            for samples in [[0.7, 0.1, 0.3, 0.95, 0.3], [0.0, 1.0, 0.5, 0.2, 0.21], [0.4; 5]] {
-                let mut sorted = samples;
-                sorted.sort_by(f32::total_cmp);
-                let between = |pair: &[f32]| {
-                    let points = (0..5000).map(|i| (i as f32 + 0.5) / 5000.0);
-                    points.map(|s| f64::from(value(pair[0] + s * (pair[1] - pair[0])))).sum::<f64>() / 5000.0
+            for corners in [[0.1, 0.7, 0.3, 0.9], [0.2, 0.22, 0.9, 0.8], [0.5; 4], [0.0, 0.0, 1.0, 1.0]] {
+                let [a, b, c, d] = corners;
+                let point = |i: u32| {
+                    let (x, y) = ((i % 500) as f32 / 500.0 + 0.001, (i / 500) as f32 / 500.0 + 0.001);
+                    let (upper, lower) = (a + (b - a) * x, c + (d - c) * x);
+                    f64::from(value(upper + (lower - upper) * y))
                 };
-                let mean = sorted.windows(2).map(between).sum::<f64>() / 4.0;
-                let found = f64::from(table.mean_over(samples));
-                assert!((found - mean).abs() < 1e-3, "{samples:?}: {found}, not {mean}");
+                let mean = (0..250_000).map(point).sum::<f64>() / 250_000.0;
+                let middle = corners.iter().sum::<f32>() / 4.0;
+                let found = f64::from(table.mean_over_spot(middle, corners));
+                assert!((found - mean).abs() < 0.01, "{corners:?}: {found}, not {mean}");
             }
         }
     }
