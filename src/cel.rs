@@ -12,6 +12,8 @@
 //!
 //! Promises: a finished pixel is never visited again, and no entry is kept behind an opaque solid run.
 
+mod groups;
+
 use crate::bitmap::{for_runs, word_masks, Bitmap};
 use crate::coverage::Part;
 use crate::edges::BAND_ROWS;
@@ -267,44 +269,6 @@ impl Cel {
             }
         }
         self.append(pixel, Entry { next: NO_ENTRY, part: P::WHOLE, kind }, entries);
-    }
-
-    /// Puts a finished group behind all that was painted before.
-    pub fn take_group<P: Part>(&mut self, group: &Cel, top: u32, rows: usize, entries: &mut Vec<Entry<P>>) {
-        for row in 0..rows {
-            for word in 0..group.touched.row(row).len() {
-                let touched = group.touched.row(row)[word] & !self.finished.row(row)[word];
-                let listed = touched & group.listed.row(row)[word];
-                for_runs(touched & !listed, |a, b| {
-                    for x in word * 64 + a..word * 64 + b {
-                        let sheet = group.sheets[row * self.width + x].faded(group.opacity);
-                        self.solid(row, (x, x + 1), &Brush::flat(sheet), top, None, entries);
-                    }
-                });
-                for_runs(listed, |a, b| {
-                    for x in word * 64 + a..word * 64 + b {
-                        self.take_list(group, row, x, entries);
-                    }
-                });
-            }
-        }
-    }
-
-    fn take_list<P: Part>(&mut self, group: &Cel, row: usize, x: usize, entries: &mut Vec<Entry<P>>) {
-        let pixel = row * self.width + x;
-        if !self.listed.get(row, x) {
-            self.start_list(row, x);
-        }
-        let mark = |kind| Entry { next: NO_ENTRY, part: P::WHOLE, kind };
-        self.append(pixel, mark(Kind::GroupStart(group.opacity)), entries);
-        if group.sheets[pixel] != Sheet::CLEAR {
-            self.append(pixel, mark(Kind::Sheet(group.sheets[pixel])), entries);
-        }
-        let (first, last) = group.lists[pixel];
-        let mine = self.lists[pixel].1;
-        entries[mine as usize].next = first;
-        self.lists[pixel].1 = last;
-        self.append(pixel, mark(Kind::GroupEnd), entries);
     }
 
     /// The state of 64 pixels of a row: finished in the picture, uniform, with a z-list.

@@ -259,6 +259,8 @@ impl Renderer {
     ) -> Result<(), Error> {
         let start = Instant::now();
         self.resize(viewport);
+        let unfolded = self.settings.method.composites_regions().then(|| scene.unfolded()).flatten();
+        let scene = unfolded.as_ref().unwrap_or(scene);
         let mut outlines = Outlines::new(scene, viewport, self.settings.method.is_jagged());
         let bands = BandLists::new(&outlines.shapes, viewport.height);
         let (shaders, aliasing) = layers::shaders(scene, viewport, &self.settings)?;

@@ -5,6 +5,7 @@
 
 use super::boundary::Boundary;
 use super::fragment::{Fragment, PieceSet, PIXEL_AREA};
+use super::paint_tree::{Composite, PaintTree};
 use super::sample::Sampler;
 use super::split::{centroid, Integrator, Known, MOST_LEAVES};
 use crate::edges::ONE;
@@ -34,13 +35,14 @@ enum Formula {
 
 /// One entry of the z-list.
 #[derive(Clone, Copy, Debug)]
-enum Item {
+pub(crate) enum Item {
     /// A sheet of one colour over all of the pixel, or where the formula holds.
     Sheet(Sheet, Option<usize>),
     /// The same with a gradient, by its shape's number.
     Gradient(u32, Option<usize>),
-    /// What follows, up to the matching end, composites as one and then fades by this opacity.
-    GroupStart(f32),
+    /// What follows, up to the matching end, composites as one.
+    GroupStart(Composite),
+    GroupMiddle,
     GroupEnd,
 }
 
@@ -108,12 +110,9 @@ impl Resolver {
         self.has_gradient = true;
     }
 
-    pub fn start_group(&mut self, opacity: f32) {
-        self.items.push(Item::GroupStart(opacity));
-    }
-
-    pub fn end_group(&mut self) {
-        self.items.push(Item::GroupEnd);
+    /// Adds a group's mark.
+    pub fn push(&mut self, mark: Item) {
+        self.items.push(mark);
     }
 
     /// The formula of a node; a node that several items share gives one formula.
@@ -347,39 +346,31 @@ impl Resolver {
         at: Option<(f64, f64)>,
         around: &Surroundings,
     ) -> Result<Sheet, usize> {
-        let mut front = Sheet::CLEAR;
-        // What stands in front of the groups that are open, and their opacities.
-        let mut outer: Vec<(Sheet, f32)> = Vec::new();
+        let mut tree = PaintTree::behind(Sheet::CLEAR);
         for item in &self.items {
-            let hidden = front.through() < NEGLIGIBLE;
             match *item {
-                Item::GroupStart(opacity) => {
-                    outer.push((front, opacity));
-                    front = Sheet::CLEAR;
-                }
-                Item::GroupEnd => {
-                    let (before, opacity) = outer.pop().expect("groups end after they start");
-                    front = before.over(front.faded(opacity));
-                }
-                _ if hidden && outer.is_empty() => return Ok(front),
-                _ if hidden || outer.iter().any(|(before, _)| before.through() < NEGLIGIBLE) => {}
+                Item::GroupStart(composite) => tree.start(composite),
+                Item::GroupMiddle => tree.middle(),
+                Item::GroupEnd => tree.end(),
+                _ if tree.is_done() => break,
+                _ if tree.is_hidden() => {}
                 Item::Sheet(sheet, formula) => {
                     if self.holds(formula, known)? {
-                        front = front.over(sheet);
+                        tree.paint(sheet);
                     }
                 }
                 Item::Gradient(shape, formula) => {
                     if self.holds(formula, known)? {
                         let shader = around.shaders[shape as usize].as_ref().expect("gradients have shaders");
-                        front = front.over(match at {
-                            Some((x, y)) => shader.at(x, y),
-                            None => shader.least(),
-                        });
+                        match at {
+                            Some((x, y)) => tree.paint(shader.at(x, y)),
+                            None => tree.paint_vaguely(shader.least()),
+                        }
                     }
                 }
             }
         }
-        Ok(front.over(around.background))
+        Ok(tree.over(around.background))
     }
 
     fn holds(&self, formula: Option<usize>, known: &impl Fn(usize) -> Option<bool>) -> Result<bool, usize> {
