@@ -18,7 +18,8 @@ use crate::bitmap::{for_runs, word_masks, Bitmap};
 use crate::coverage::Part;
 use crate::edges::BAND_ROWS;
 use crate::pixel::resolve::NEGLIGIBLE;
-use crate::scene::paint::{Shader, Sheet};
+use crate::scene::paint::Sheet;
+use crate::scene::shader::Shader;
 use crate::zlist::{Entry, Head, Kind, NO_ENTRY};
 
 /// What a shape is painted with, at the picture's scale.
@@ -42,15 +43,6 @@ impl Brush<'_> {
         match self {
             Brush::Flat(sheet, _) => sheet.is_opaque(),
             Brush::Gradient { opaque, .. } => *opaque,
-        }
-    }
-
-    /// The colour at a pixel's centre.
-    #[inline]
-    fn at(&self, x: usize, y: u32) -> Sheet {
-        match self {
-            Brush::Flat(sheet, _) => *sheet,
-            Brush::Gradient { shader, .. } => shader.at(x as f64 + 0.5, f64::from(y) + 0.5),
         }
     }
 
@@ -163,10 +155,8 @@ impl Cel {
             let sheets = &mut self.sheets[start + a..start + b];
             match brush {
                 Brush::Flat(sheet, _) => sheets.fill(*sheet),
-                Brush::Gradient { .. } => {
-                    for (i, sheet) in sheets.iter_mut().enumerate() {
-                        *sheet = brush.at(first + a + i, y);
-                    }
+                Brush::Gradient { shader, .. } => {
+                    shader.row(first + a, y, sheets.len(), |i, sheet| sheets[i] = sheet);
                 }
             }
         });
@@ -194,10 +184,8 @@ impl Cel {
             };
             match brush {
                 Brush::Flat(behind, _) => sheets.iter_mut().for_each(|sheet| paint(sheet, *behind)),
-                Brush::Gradient { .. } => {
-                    for (i, sheet) in sheets.iter_mut().enumerate() {
-                        paint(sheet, brush.at(first + a + i, y));
-                    }
+                Brush::Gradient { shader, .. } => {
+                    shader.row(first + a, y, sheets.len(), |i, behind| paint(&mut sheets[i], behind));
                 }
             }
             if darkest < NEGLIGIBLE {
@@ -299,10 +287,8 @@ fn paint_fresh(picture: &mut Rows, row: usize, width: usize, (word, fresh): (usi
         let pixels = &mut pixels[first + a..first + b];
         match brush {
             Brush::Flat(_, bytes) => pixels.fill(*bytes),
-            Brush::Gradient { .. } => {
-                for (i, pixel) in pixels.iter_mut().enumerate() {
-                    *pixel = brush.at(first + a + i, y).to_rgba8();
-                }
+            Brush::Gradient { shader, .. } => {
+                shader.row(first + a, y, pixels.len(), |i, sheet| pixels[i] = sheet.to_rgba8());
             }
         }
     });

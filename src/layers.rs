@@ -10,8 +10,9 @@ use crate::effects::filter::{self, Job};
 use crate::effects::highlights::Aliasing;
 use crate::effects::layer::{between, IntRect, Layer, Pixel, Space, CLEAR};
 use crate::effects::mask;
-use crate::scene::paint::{Paint, Shader};
+use crate::scene::paint::Paint;
 use crate::scene::raster::{Mask, Raster, RasterGroup, Source};
+use crate::scene::shader::{GradientShader, Shader};
 use crate::scene::{Clip, ClipMember, Geometry, Scene, Shape};
 use crate::{texture, Error, Renderer, Settings, Viewport};
 use kurbo::{Affine, Point, Rect, Vec2};
@@ -48,7 +49,7 @@ pub(crate) fn shaders<'a>(
     for shape in &scene.shapes {
         let shader = match &shape.paint {
             Paint::Flat(_) => None,
-            Paint::Gradient(gradient) => Some(Shader::Gradient(gradient.shader(viewport.transform))),
+            Paint::Gradient(gradient) => Some(Shader::Gradient(GradientShader::new(gradient, viewport.transform))),
             Paint::Layer(layer, by) => Some(Shader::Layer(layer.clone(), *by)),
             Paint::Raster(raster) => {
                 Some(Shader::Layer(Arc::new(artist.layer(raster, shape, &shaders)?), (0, 0)))

@@ -224,7 +224,7 @@ mod tests {
         tree.start(Composite { opacity: 1.0, effect: Effect::Blend(BlendMode::Multiply) });
         tree.paint(Sheet::new(WHITE, 0.5));
         tree.end();
-        assert_near(tree.over(Sheet::new(RED, 0.5)), [0.25 + 0.125 + 0.25, 0.25, 0.25, 0.25]);
+        assert_near(tree.over(Sheet::new(RED, 0.5)), [0.25 + 0.25 + 0.25, 0.25, 0.25, 0.25]);
     }
 
     #[test]

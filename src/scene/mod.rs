@@ -7,6 +7,7 @@ pub(crate) mod color_map;
 mod convert;
 pub(crate) mod paint;
 pub(crate) mod raster;
+pub(crate) mod shader;
 mod unfold;
 
 pub mod load;
