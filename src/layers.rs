@@ -4,14 +4,15 @@
 //! A layer's content goes through the same renderer, at the picture's own pixels; the layer then is
 //! the paint of a shape like any other. A scene of flat paint makes nothing here.
 
-use crate::effects::blend::blend;
+use crate::effects::blend;
 use crate::effects::filter::region::{regions, Canvas};
 use crate::effects::filter::{self, Job};
 use crate::effects::layer::{between, IntRect, Layer, Pixel, Space, CLEAR};
 use crate::effects::log::Log;
 use crate::effects::mask;
-use crate::scene::paint::{Paint, Shader};
+use crate::scene::paint::Paint;
 use crate::scene::raster::{Mask, Raster, RasterGroup, Source};
+use crate::scene::shader::{GradientShader, Shader};
 use crate::scene::{Clip, ClipMember, Geometry, Scene, Shape};
 use crate::{texture, Error, Renderer, Settings, Viewport};
 use kurbo::{Affine, Point, Rect, Vec2};
@@ -46,7 +47,7 @@ pub(crate) fn shaders<'a>(
         let shader = match &shape.paint {
             Paint::Flat(_) => None,
             Paint::Gradient(gradient) => {
-                Some(Shader::Gradient(gradient.shader(viewport.transform, settings.spot_scale)))
+                Some(Shader::Gradient(GradientShader::new(gradient, viewport.transform, settings.spot_scale)))
             }
             Paint::Layer(layer, by) => Some(Shader::Layer(layer.clone(), *by)),
             Paint::Raster(raster) => {
@@ -180,14 +181,11 @@ impl Artist<'_> {
         if let Some([r, g, b, a]) = self.settings.background {
             let behind = Layer::from_rgba8(IntRect::new(0, 0, 1, 1), &[r, g, b, a]).pixel(0, 0);
             for pixel in backdrop.pixels_mut() {
-                *pixel = crate::effects::blend::over(*pixel, behind);
+                *pixel = blend::over(*pixel, behind);
             }
         }
         for (source, &behind) in layer.pixels_mut().iter_mut().zip(backdrop.pixels()) {
-            let alpha = source[3];
-            let blended = blend(mode, *source, behind);
-            let own = |i: usize| (blended[i] - (1.0 - alpha) * behind[i]).clamp(0.0, alpha);
-            *source = [own(0), own(1), own(2), alpha];
+            *source = blend::own_color(mode, *source, behind);
         }
         Ok(())
     }

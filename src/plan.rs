@@ -120,6 +120,9 @@ struct Planner<'a> {
 impl Planner<'_> {
     /// Bytes that the scene's layers take at once, at most.
     fn scene(&mut self, scene: &Scene, viewport: &Viewport, depth: usize) -> u64 {
+        // As rendering does: what is evaluated region by region needs no layer.
+        let unfolded = self.settings.method.composites_regions().then(|| scene.unfolded()).flatten();
+        let scene = unfolded.as_ref().unwrap_or(scene);
         let (mut kept, mut work) = (0, 0);
         let mut edges = EdgeList::new(viewport.width, viewport.height);
         let mut flattener = Flattener::default();

@@ -15,7 +15,9 @@ use crate::layers;
 use crate::methods::{painter, BandPainter, Method, Painter, PicturePainter};
 use crate::outlines::{BandLists, Outlines};
 use crate::pixel::resolve::Surroundings;
-use crate::scene::paint::{Shader, Sheet};
+use crate::scene::paint::Sheet;
+use crate::scene::shader::Shader;
+use crate::scene::Role;
 use crate::{Error, Pixmap, Scene};
 use rayon::prelude::*;
 use std::sync::Mutex;
@@ -290,6 +292,8 @@ impl Renderer {
     ) -> Result<(), Error> {
         let start = Instant::now();
         self.resize(viewport);
+        let unfolded = self.settings.method.composites_regions().then(|| scene.unfolded()).flatten();
+        let scene = unfolded.as_ref().unwrap_or(scene);
         let mut outlines = Outlines::new(scene, viewport, self.settings.method.is_jagged());
         let bands = BandLists::new(&outlines.shapes, viewport.height);
         let log = Log::new(self.settings.stage_times);
@@ -326,12 +330,15 @@ impl Renderer {
             false => self.stages.times.extend(laps),
         }
         self.stages.counts = self.take_counts();
-        self.take_effects(&shaders, log);
+        self.take_effects(scene, &shaders, log);
         Ok(())
     }
 
     /// What has run besides the bands.
-    fn take_effects(&mut self, shaders: &[Option<Shader>], log: Log) {
+    fn take_effects(&mut self, scene: &Scene, shaders: &[Option<Shader>], log: Log) {
+        let in_groups = |is: fn(Role) -> bool| scene.groups.iter().filter(|group| is(group.role)).count();
+        log.count("mask", in_groups(|role| matches!(role, Role::Mask(_))) as u64);
+        log.count("mix-blend-mode", in_groups(|role| matches!(role, Role::Blend(_))) as u64);
         let gradients = || shaders.iter().flatten().filter_map(Shader::as_gradient);
         log.count("gradient", gradients().count() as u64);
         log.count("colour map", gradients().filter(|gradient| gradient.has_table()).count() as u64);

@@ -200,11 +200,21 @@ impl Explanation {
             Highlights::Supersample => "up to 16 x 16 normals in pixels that alias",
         };
         let gradient = "evaluated where it is seen; a table of its colour map once that turns within a pixel";
+        let by_region = "evaluated in each region of a pixel where the same shapes are seen; no layer";
+        let in_layers = |what: &str| self.plan.layers.iter().any(|layer| layer.what.contains(what));
+        let mask = match in_layers("mask") {
+            true => "a layer of pixels for the content and one for the mask",
+            false => by_region,
+        };
+        let blend = match in_layers("mix-blend-mode") {
+            true => "a layer of pixels, and what lies below it drawn a second time there",
+            false => by_region,
+        };
         [
             ("opacity", opacity, "what lies behind stays in the z-list and is composited"),
             ("groups", groups, "a cel of its own for each open group, one band high"),
             ("clips", clips, "geometry, cut by the same integrator as shapes"),
-            ("masks", masks, "a layer of pixels for the content and one for the mask"),
+            ("masks", masks, mask),
             ("linear_gradients", linear_gradients, gradient),
             ("radial_gradients", radial_gradients, gradient),
             (
@@ -224,11 +234,7 @@ impl Explanation {
             ),
             ("highlights", highlights, highlight),
             ("text", text, "fonts are loaded; outlines like any others"),
-            (
-                "blend_modes",
-                blend_modes,
-                "a layer of pixels, and what lies below it drawn a second time there",
-            ),
+            ("blend_modes", blend_modes, blend),
             ("animation", self.motion.count(), "a document for each frame, parsed and drawn like any other"),
         ]
         .map(|(name, count, machinery)| Effect { name, count, machinery })
@@ -259,7 +265,7 @@ impl Explanation {
         key("shapes", serde_json::to_string(&self.census.shapes));
         key("segments", serde_json::to_string(&self.census.segments));
         key("edges", serde_json::to_string(&self.plan.edges));
-        key("layers", serde_json::to_string(&self.census.layers));
+        key("layers", serde_json::to_string(&self.plan.layers.len()));
         key("flat", serde_json::to_string(&self.is_flat()));
         for Effect { name, count, machinery } in self.effects() {
             let machinery = (count > 0).then_some(machinery);

@@ -241,6 +241,26 @@ impl Layer {
         }
     }
 
+    /// Gives `put` the pixels of row `y` from column `x` on, each with its place among them.
+    #[inline]
+    pub fn row(&self, x: i32, y: i32, count: usize, mut put: impl FnMut(usize, Pixel)) {
+        let wanted = IntRect::new(x, y, count as u32, 1);
+        let common = wanted.intersect(self.rect);
+        let (mut i, left) = (0, if common.is_empty() { count } else { (common.x - x) as usize });
+        while i < left {
+            put(i, CLEAR);
+            i += 1;
+        }
+        if !common.is_empty() {
+            let first = self.index(common.x, y);
+            for &pixel in &self.pixels[first..first + common.width()] {
+                put(i, pixel);
+                i += 1;
+            }
+        }
+        (i..count).for_each(|i| put(i, CLEAR));
+    }
+
     /// Row y of a rectangle which lies within this layer's.
     pub fn span_mut(&mut self, y: i32, within: IntRect) -> &mut [Pixel] {
         let first = self.index(within.x, y);

@@ -9,10 +9,10 @@ use std::time::{Duration, Instant};
 /// One kind of effect, all of its runs in one picture.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct EffectRuns {
-    /// What SVG and CSS call it (`feGaussianBlur`, `mask`, `mix-blend-mode`, `pattern`, `image`);
-    /// `gradient` counts the gradients at this scale and `colour map` the tables made for them, both of
-    /// whose time is a part of the bands'; `layer content` is the drawing of groups that filters, masks
-    /// and blend modes work on.
+    /// What SVG and CSS call it: `feGaussianBlur`, `mask`, `mix-blend-mode`, `pattern`, `image`.
+    /// `layer content` is the drawing of groups that filters work on. `gradient` counts gradients and `colour
+    /// map` the tables made for them; their time is a part of the bands', as is that of masks and blend modes
+    /// for methods which evaluate these in every region of a pixel.
     pub name: &'static str,
     /// How often it ran.
     pub runs: u64,

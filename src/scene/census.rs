@@ -12,7 +12,8 @@ use serde::Serialize;
 use usvg::filter::Kind;
 use usvg::tiny_skia_path::PathSegment;
 
-/// How much a scene calls for of everything. A mask, pattern or filtered group counts with all that is
+/// How much a scene calls for of everything. How many layers of pixels that takes depends on the method:
+/// see [`crate::Plan`]. A mask, pattern or filtered group counts with all that is
 /// drawn within it; what is drawn several times over (a clip's members, a pattern's tile) counts once for
 /// each place in the drawing that asks for it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
@@ -21,8 +22,6 @@ pub struct Census {
     pub shapes: usize,
     /// Lines and curves of their paths and of clips, before curves become chords and strokes outlines.
     pub segments: usize,
-    /// Groups, patterns and images that are made into pixels before they are painted.
-    pub layers: usize,
     /// Shapes and layers that let light through: a colour, a stop or the whole of it is translucent, or
     /// a radial gradient does not cover the plane.
     pub opacity: usize,
@@ -86,7 +85,6 @@ impl Census {
     }
 
     fn add_raster(&mut self, raster: &Raster) -> Result<(), Error> {
-        self.layers += 1;
         self.opacity += usize::from(raster.opacity < 1.0);
         match &raster.source {
             Source::Image { .. } => self.images += 1,

@@ -3,7 +3,7 @@
 
 use super::paint::{Gradient, GradientShape, Paint, Spread, Stop};
 use super::raster::{Mask, Raster, RasterGroup, Source};
-use super::{Clip, ClipId, ClipMember, FillRule, Geometry, Group, GroupId, Outline, Scene, Shape, Warning};
+use super::{Clip, ClipId, ClipMember, FillRule, Geometry, Group, GroupId, Outline, Role, Scene, Shape, Warning};
 use crate::effects::layer::{IntRect, Layer};
 use crate::Error;
 use kurbo::{Affine, Rect, Size};
@@ -84,7 +84,7 @@ struct Walk {
 
 impl Default for Walk {
     fn default() -> Self {
-        let picture = Group { parent: 0, opacity: 1.0 };
+        let picture = Group { parent: 0, opacity: 1.0, role: Role::Paint };
         Walk {
             shapes: Vec::new(),
             clips: Vec::new(),
@@ -134,7 +134,7 @@ impl Walk {
             )));
         }
         let (first_shape, first_group) = (self.shapes.len(), self.groups.len());
-        self.groups.push(Group { parent: place.group, opacity });
+        self.groups.push(Group { parent: place.group, opacity, role: Role::Paint });
         let inside = Place { group: first_group as GroupId, depth: place.depth + 1, ..place };
         group.children().iter().try_for_each(|child| self.node(child, inside))?;
         // A group of one shape is that shape with less opacity: nothing in it can overlap.

@@ -8,6 +8,8 @@ pub(crate) mod color_map;
 mod convert;
 pub(crate) mod paint;
 pub(crate) mod raster;
+pub(crate) mod shader;
+mod unfold;
 
 pub mod load;
 
@@ -154,6 +156,29 @@ pub(crate) struct Group {
     pub parent: GroupId,
     /// 0 ..= 1.
     pub opacity: f32,
+    pub role: Role,
+}
+
+/// How a group meets what is around it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Role {
+    /// Painted over what lies behind it.
+    Paint,
+    /// Blended with what lies behind it in the group around it, which is its backdrop.
+    Blend(usvg::BlendMode),
+    /// Not painted: a mask. Its shapes stand right before those which it masks, seen from the front.
+    Mask(usvg::MaskType),
+    /// Painted as far as the mask with this number shows it. Both have the same parent.
+    Masked(GroupId),
+}
+
+impl Role {
+    pub fn mask_type(self) -> Option<usvg::MaskType> {
+        match self {
+            Role::Mask(kind) => Some(kind),
+            _ => None,
+        }
+    }
 }
 
 impl Scene {
@@ -211,6 +236,12 @@ impl Scene {
         }
         path.reverse();
         path
+    }
+
+    /// The same drawing with masks, blend modes and isolated groups as groups of shapes, for methods that
+    /// composite region by region; `None` when it has none, or has them that way.
+    pub(crate) fn unfolded(&self) -> Option<Scene> {
+        unfold::unfolded(self)
     }
 
     /// Other shapes, with this scene's clips and groups.

@@ -1,0 +1,364 @@
+//! Takes a paint that differs from place to place, at a picture's scale, makes colours: of a row of
+//! pixels, of one pixel, or of a part of one.
+//!
+//! A gradient's colour over a region is that at its centre as long as its colour map goes straight there.
+//! Where the map turns or jumps within the region, it is the mean ([`super::color_map`]).
+
+use super::color_map::ColorMap;
+use super::paint::{Gradient, GradientShape, Sheet, Spread};
+use crate::effects::layer::Layer;
+use kurbo::{Affine, Point};
+use std::sync::{Arc, OnceLock};
+
+/// A paint at a picture's scale.
+#[derive(Clone, Debug)]
+pub(crate) enum Shader<'a> {
+    Gradient(GradientShader<'a>),
+    /// A layer, moved by whole pixels.
+    Layer(Arc<Layer>, (i32, i32)),
+}
+
+/// A part of a pixel.
+#[derive(Clone, Copy)]
+pub(crate) enum Spot<'a> {
+    /// All of the pixel around this point, in pixels.
+    Pixel(f64, f64),
+    /// A convex polygon around its centre of gravity, both in pixels.
+    Polygon(Point, &'a [Point]),
+}
+
+impl Shader<'_> {
+    /// The colour of the pixel around a point, in pixels.
+    #[inline]
+    pub fn at(&self, x: f64, y: f64) -> Sheet {
+        match self {
+            Shader::Gradient(gradient) => gradient.at(x, y),
+            Shader::Layer(layer, (dx, dy)) => {
+                sheet_of(layer.pixel(x.floor() as i32 - dx, y.floor() as i32 - dy))
+            }
+        }
+    }
+
+    /// The mean colour over a part of a pixel.
+    pub fn over(&self, spot: Spot) -> Sheet {
+        match (self, spot) {
+            (Shader::Gradient(gradient), Spot::Polygon(centre, corners)) => gradient.over(centre, corners),
+            (_, Spot::Pixel(x, y) | Spot::Polygon(Point { x, y }, _)) => self.at(x, y),
+        }
+    }
+
+    /// The colour of the pixel around a point, if what part of it is seen makes no visible difference.
+    pub fn even_at(&self, x: f64, y: f64) -> Option<Sheet> {
+        match self {
+            Shader::Gradient(gradient) => gradient.even_at(x, y),
+            Shader::Layer(..) => Some(self.at(x, y)),
+        }
+    }
+
+    /// Gives `put` the colours of pixels of row `y` from column `x` on, each with its place among them.
+    #[inline]
+    pub fn row(&self, x: usize, y: u32, count: usize, mut put: impl FnMut(usize, Sheet)) {
+        match self {
+            Shader::Gradient(gradient) => gradient.row(x, y, count, put),
+            Shader::Layer(layer, (dx, dy)) => {
+                layer.row(x as i32 - dx, y as i32 - dy, count, |i, pixel| put(i, sheet_of(pixel)));
+            }
+        }
+    }
+
+    pub fn as_gradient(&self) -> Option<&GradientShader<'_>> {
+        match self {
+            Shader::Gradient(gradient) => Some(gradient),
+            Shader::Layer(..) => None,
+        }
+    }
+
+    /// A sheet that lets no less light through than the paint does anywhere.
+    pub fn least(&self) -> Sheet {
+        match self {
+            Shader::Gradient(gradient) => gradient.least(),
+            Shader::Layer(..) => Sheet::CLEAR,
+        }
+    }
+}
+
+#[inline]
+fn sheet_of([r, g, b, alpha]: [f32; 4]) -> Sheet {
+    Sheet::from_channels([r, g, b, 1.0 - alpha])
+}
+
+/// A gradient at a picture's scale.
+#[derive(Clone, Debug)]
+pub(crate) struct GradientShader<'a> {
+    gradient: &'a Gradient,
+    /// From pixels to the gradient's plane.
+    to_plane: Affine,
+    /// As [`crate::Settings::spot_scale`].
+    spot_scale: f64,
+    /// Made for the first region in which the colour map turns.
+    map: OnceLock<ColorMap>,
+}
+
+/// A stretch of the parameter, as it is before it is spread, over which straight colours go straight.
+#[derive(Clone, Copy)]
+struct Stretch {
+    from: f64,
+    to: f64,
+    /// Where `color` is.
+    origin: f64,
+    color: [f32; 4],
+    /// Change of the colour with the parameter.
+    slope: [f32; 4],
+}
+
+impl Stretch {
+    #[inline]
+    fn at(&self, t: f64) -> Sheet {
+        let by = (t - self.origin) as f32;
+        let [r, g, b, alpha]: [f32; 4] = std::array::from_fn(|i| self.color[i] + self.slope[i] * by);
+        Sheet::new([r, g, b], alpha)
+    }
+
+    #[inline]
+    fn holds(&self, from: f64, to: f64) -> bool {
+        self.from <= from && to <= self.to
+    }
+
+    /// At least the change of any premultiplied component with the parameter.
+    fn steepness(&self) -> f64 {
+        let [r, g, b, alpha] = self.slope.map(f32::abs);
+        f64::from(r.max(g).max(b) + alpha)
+    }
+}
+
+/// The parameter at a point, and its change along x and y over the spot that is as wide as a pixel unless
+/// the settings say otherwise.
+#[derive(Clone, Copy)]
+struct Local {
+    t: f64,
+    along: (f64, f64),
+}
+
+impl Local {
+    /// How far the parameter goes to either side within the pixel around the point.
+    #[inline]
+    fn reach(&self) -> f64 {
+        0.5 * (self.along.0.abs() + self.along.1.abs())
+    }
+}
+
+/// A gradient whose colours change by no more than this within a pixel is even there. A region that is a
+/// share s of the pixel has its centre at most (1 - s) / 2 from the pixel's, so that the pixel's colour is
+/// off by at most s (1 - s) / 2 of the change: a quarter of an 8-bit level.
+const EVEN: f64 = 2.0 / 255.0;
+
+impl<'a> GradientShader<'a> {
+    pub fn new(gradient: &'a Gradient, to_pixels: Affine, spot_scale: f64) -> GradientShader<'a> {
+        let to_plane = (to_pixels * gradient.transform).inverse();
+        let to_plane = match gradient.shape {
+            GradientShape::Linear(map) => map * to_plane,
+            GradientShape::Radial { .. } => to_plane,
+        };
+        GradientShader { gradient, to_plane, spot_scale, map: OnceLock::new() }
+    }
+
+    /// Did the colour map turn within a pixel?
+    pub fn has_table(&self) -> bool {
+        self.map.get().is_some()
+    }
+
+    /// The colour of the pixel around a point, in pixels; clear where a radial gradient has none.
+    pub fn at(&self, x: f64, y: f64) -> Sheet {
+        match self.local(x, y) {
+            Some(local) => self.pixel((x, y), local, &mut self.stretch(local.t)),
+            None => self.least(),
+        }
+    }
+
+    fn even_at(&self, x: f64, y: f64) -> Option<Sheet> {
+        let Some(local) = self.local(x, y) else {
+            return Some(self.least());
+        };
+        let (stretch, reach) = (self.stretch(local.t), local.reach());
+        let is_even =
+            stretch.holds(local.t - reach, local.t + reach) && stretch.steepness() * 2.0 * reach <= EVEN;
+        is_even.then(|| stretch.at(local.t))
+    }
+
+    #[inline]
+    fn row(&self, x: usize, y: u32, count: usize, mut put: impl FnMut(usize, Sheet)) {
+        let y = f64::from(y) + 0.5;
+        let mut stretch = self.stretch(0.0);
+        if let GradientShape::Linear(_) = self.gradient.shape {
+            let [a, _, c, _, e, _] = self.to_plane.as_coeffs();
+            let start = c * y + e;
+            for i in 0..count {
+                let x = (x + i) as f64 + 0.5;
+                let local = self.spot(a * x + start, (a, c));
+                put(i, self.pixel((x, y), local, &mut stretch));
+            }
+            return;
+        }
+        for i in 0..count {
+            let x = (x + i) as f64 + 0.5;
+            put(i, match self.local(x, y) {
+                Some(local) => self.pixel((x, y), local, &mut stretch),
+                None => self.least(),
+            });
+        }
+    }
+
+    /// The colour of a pixel. `stretch` is one that may hold it, and is replaced if it does not.
+    #[inline]
+    fn pixel(&self, (x, y): (f64, f64), local: Local, stretch: &mut Stretch) -> Sheet {
+        let reach = local.reach();
+        let (from, to) = (local.t - reach, local.t + reach);
+        if !stretch.holds(from, to) {
+            *stretch = self.stretch(local.t);
+            if !stretch.holds(from, to) {
+                let corners = [(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)];
+                return self.mean(local, Point::new(x, y), &corners.map(|(dx, dy)| Point::new(x + dx, y + dy)));
+            }
+        }
+        stretch.at(local.t)
+    }
+
+    /// The mean over a convex polygon, by the gradient's slope at the polygon's centre.
+    fn over(&self, centre: Point, corners: &[Point]) -> Sheet {
+        let Some(local) = self.local(centre.x, centre.y) else {
+            return self.least();
+        };
+        let stretch = self.stretch(local.t);
+        let parameters = corners.iter().map(|&p| parameter_at(local, centre, p));
+        let (from, to) = parameters.fold((local.t, local.t), |(from, to), t| (t.min(from), t.max(to)));
+        match stretch.holds(from, to) {
+            true => stretch.at(local.t),
+            false => self.mean(local, centre, corners),
+        }
+    }
+
+    #[cold]
+    fn mean(&self, local: Local, centre: Point, corners: &[Point]) -> Sheet {
+        let map = self.map.get_or_init(|| ColorMap::new(&self.gradient.stops, self.gradient.spread));
+        let (along_x, along_y) = local.along;
+        let square = along_x * along_x + along_y * along_y;
+        let placed = |&p: &Point| {
+            let across = (along_x * (p.y - centre.y) - along_y * (p.x - centre.x)) / square;
+            (parameter_at(local, centre, p), across)
+        };
+        match map.mean_over(corners.iter().map(placed)) {
+            Some(pixel) => sheet_of(pixel),
+            None => self.stretch(local.t).at(local.t),
+        }
+    }
+
+    /// A sheet that lets no less light through than the gradient does anywhere.
+    pub fn least(&self) -> Sheet {
+        if self.gradient.opaque {
+            let [r, g, b, _] = self.gradient.stops[self.gradient.stops.len() - 1].color;
+            Sheet::new([r, g, b], 1.0)
+        } else {
+            Sheet::CLEAR
+        }
+    }
+
+    /// The stretch around a parameter.
+    fn stretch(&self, t: f64) -> Stretch {
+        let period = t.floor();
+        let (first, backwards) = match self.gradient.spread {
+            Spread::Pad => return self.stretch_within(t),
+            Spread::Repeat => (period, false),
+            Spread::Reflect => (period, period % 2.0 != 0.0),
+        };
+        let within = if backwards { 1.0 - (t - first) } else { t - first };
+        let Stretch { from, to, origin, color, slope } = self.stretch_within(within);
+        let (from, to) = (from.max(0.0), to.min(1.0));
+        match backwards {
+            false => Stretch { from: first + from, to: first + to, origin: first + origin, color, slope },
+            true => {
+                let back = |t: f64| first + 1.0 - t;
+                Stretch { from: back(to), to: back(from), origin: back(origin), color, slope: slope.map(|v| -v) }
+            }
+        }
+    }
+
+    /// The same without a spread: the ends go on for ever.
+    fn stretch_within(&self, t: f64) -> Stretch {
+        let stops = &self.gradient.stops;
+        let behind = stops.partition_point(|stop| f64::from(stop.offset) <= t);
+        let from = behind.checked_sub(1).map(|i| stops[i]);
+        let flat = |from: f64, to: f64, color| Stretch { from, to, origin: 0.0, color, slope: [0.0; 4] };
+        match (from, stops.get(behind)) {
+            (Some(a), Some(b)) => {
+                let length = b.offset - a.offset;
+                let slope = std::array::from_fn(|i| (b.color[i] - a.color[i]) / length);
+                let (from, to) = (f64::from(a.offset), f64::from(b.offset));
+                Stretch { from, to, origin: from, color: a.color, slope }
+            }
+            (Some(last), None) => flat(f64::from(last.offset), f64::INFINITY, last.color),
+            (None, Some(first)) => flat(f64::NEG_INFINITY, f64::from(first.offset), first.color),
+            (None, None) => flat(f64::NEG_INFINITY, f64::INFINITY, [0.0; 4]),
+        }
+    }
+
+    /// What the parameter is and does at a point in pixels: for circles the greatest t with a radius of at
+    /// least 0 whose circle passes through the point (SVG 2, 14.2.3; HTML canvas).
+    #[inline]
+    fn local(&self, x: f64, y: f64) -> Option<Local> {
+        let [a, b, c, d, ..] = self.to_plane.as_coeffs();
+        let p = self.to_plane * Point::new(x, y);
+        let GradientShape::Radial { start: (x0, y0, _), step: (dx, dy, _) } = self.gradient.shape else {
+            return p.x.is_finite().then_some(self.spot(p.x, (a, c)));
+        };
+        let (t, root) = self.circle(p)?;
+        // With u from the circle's centre to the point and the circle's radius R, |u| = R: differentiated,
+        // the parameter's slope is u / root.
+        let (ux, uy) = (p.x - x0 - t * dx, p.y - y0 - t * dy);
+        let along = ((ux * a + uy * b) / root, (ux * c + uy * d) / root);
+        // Next to the focal point the slope is nothing to go by.
+        let pixel = a * a + b * b + c * c + d * d;
+        if ux * ux + uy * uy > pixel && along.0.is_finite() && along.1.is_finite() {
+            return Some(self.spot(t, along));
+        }
+        let step = |dx: f64, dy: f64| {
+            let there = self.circle(self.to_plane * Point::new(x + dx, y + dy));
+            2.0 * (there.map_or(t, |(t, _)| t) - t)
+        };
+        Some(self.spot(t, (step(0.5, 0.0), step(0.0, 0.5))))
+    }
+
+    #[inline]
+    fn spot(&self, t: f64, (x, y): (f64, f64)) -> Local {
+        Local { t, along: (x * self.spot_scale, y * self.spot_scale) }
+    }
+
+    /// The parameter of the circle through a point of the gradient's plane, and what its slope is to be
+    /// divided by.
+    #[inline]
+    fn circle(&self, p: Point) -> Option<(f64, f64)> {
+        let GradientShape::Radial { start: (x0, y0, r0), step: (dx, dy, dr) } = self.gradient.shape else {
+            return None;
+        };
+        // |p - start - t (dx, dy)| = r0 + t dr
+        let (px, py) = (p.x - x0, p.y - y0);
+        let a = dx * dx + dy * dy - dr * dr;
+        let half_b = px * dx + py * dy + r0 * dr;
+        let c = px * px + py * py - r0 * r0;
+        let valid = |t: f64, slope: f64| (t.is_finite() && r0 + t * dr >= 0.0).then_some((t, slope));
+        if a.abs() <= 1e-12 * dr * dr {
+            return valid(c / (2.0 * half_b), half_b);
+        }
+        let square = half_b * half_b - a * c;
+        if square < 0.0 {
+            return None;
+        }
+        // The greater of the two first: the one with the root's sign that of a.
+        let root = square.sqrt().copysign(a);
+        valid((half_b + root) / a, -root).or_else(|| valid((half_b - root) / a, root))
+    }
+}
+
+#[inline]
+fn parameter_at(local: Local, centre: Point, p: Point) -> f64 {
+    local.t + local.along.0 * (p.x - centre.x) + local.along.1 * (p.y - centre.y)
+}
