@@ -4,9 +4,9 @@
 //! A gradient's colour over a region is that at its centre as long as its colour map goes straight there.
 //! Where the map turns or jumps within the region, it is the mean ([`super::color_map`]).
 
-use super::color_map::ColorMap;
+use super::color_map::{ColorMap, Integral};
 use super::paint::{Gradient, GradientShape, Sheet, Spread};
-use crate::effects::layer::Layer;
+use crate::effects::layer::{Layer, Pixel, CLEAR};
 use kurbo::{Affine, Point};
 use std::sync::{Arc, OnceLock};
 
@@ -14,8 +14,17 @@ use std::sync::{Arc, OnceLock};
 #[derive(Clone, Debug)]
 pub(crate) enum Shader<'a> {
     Gradient(GradientShader<'a>),
-    /// A layer, moved by whole pixels.
-    Layer(Arc<Layer>, (i32, i32)),
+    /// A layer, moved by whole pixels; does it hide all that lies behind it?
+    Layer {
+        layer: Arc<Layer>,
+        by: (i32, i32),
+        opaque: bool,
+    },
+    /// A layer that repeats over the plane.
+    Tile {
+        layer: Layer,
+        opaque: bool,
+    },
 }
 
 /// A part of a pixel.
@@ -33,9 +42,22 @@ impl Shader<'_> {
     pub fn at(&self, x: f64, y: f64) -> Sheet {
         match self {
             Shader::Gradient(gradient) => gradient.at(x, y),
-            Shader::Layer(layer, (dx, dy)) => {
-                sheet_of(layer.pixel(x.floor() as i32 - dx, y.floor() as i32 - dy))
+            Shader::Layer { layer, by, .. } => {
+                sheet_of(layer.pixel(x.floor() as i32 - by.0, y.floor() as i32 - by.1))
             }
+            Shader::Tile { layer, .. } => {
+                let mut pixel = CLEAR;
+                repeated(layer, x.floor() as i32, y.floor() as i32, 1, |_, found| pixel = found);
+                sheet_of(pixel)
+            }
+        }
+    }
+
+    /// Does it hide what lies behind, everywhere?
+    pub fn is_opaque(&self) -> bool {
+        match self {
+            Shader::Gradient(gradient) => gradient.gradient.opaque,
+            Shader::Layer { opaque, .. } | Shader::Tile { opaque, .. } => *opaque,
         }
     }
 
@@ -51,7 +73,7 @@ impl Shader<'_> {
     pub fn even_at(&self, x: f64, y: f64) -> Option<Sheet> {
         match self {
             Shader::Gradient(gradient) => gradient.even_at(x, y),
-            Shader::Layer(..) => Some(self.at(x, y)),
+            Shader::Layer { .. } | Shader::Tile { .. } => Some(self.at(x, y)),
         }
     }
 
@@ -60,8 +82,11 @@ impl Shader<'_> {
     pub fn row(&self, x: usize, y: u32, count: usize, mut put: impl FnMut(usize, Sheet)) {
         match self {
             Shader::Gradient(gradient) => gradient.row(x, y, count, put),
-            Shader::Layer(layer, (dx, dy)) => {
-                layer.row(x as i32 - dx, y as i32 - dy, count, |i, pixel| put(i, sheet_of(pixel)));
+            Shader::Layer { layer, by, .. } => {
+                layer.row(x as i32 - by.0, y as i32 - by.1, count, |i, pixel| put(i, sheet_of(pixel)));
+            }
+            Shader::Tile { layer, .. } => {
+                repeated(layer, x as i32, y as i32, count, |i, pixel| put(i, sheet_of(pixel)));
             }
         }
     }
@@ -70,8 +95,24 @@ impl Shader<'_> {
     pub fn least(&self) -> Sheet {
         match self {
             Shader::Gradient(gradient) => gradient.least(),
-            Shader::Layer(..) => Sheet::CLEAR,
+            Shader::Layer { opaque, .. } | Shader::Tile { opaque, .. } => match opaque {
+                true => Sheet::new([0.0; 3], 1.0),
+                false => Sheet::CLEAR,
+            },
         }
+    }
+}
+
+/// Gives `put` the pixels of row `y` from column `x` on of a layer that repeats.
+#[inline]
+fn repeated(layer: &Layer, x: i32, y: i32, count: usize, mut put: impl FnMut(usize, Pixel)) {
+    let rect = layer.rect();
+    let row = (y - rect.y()).rem_euclid(rect.height() as i32) as usize;
+    let mut column = (x - rect.x()).rem_euclid(rect.width() as i32) as usize;
+    let pixels = &layer.pixels()[row * rect.width()..][..rect.width()];
+    for i in 0..count {
+        put(i, pixels[column]);
+        column = if column + 1 == pixels.len() { 0 } else { column + 1 };
     }
 }
 
@@ -86,6 +127,10 @@ pub(crate) struct GradientShader<'a> {
     gradient: &'a Gradient,
     /// From pixels to the gradient's plane.
     to_plane: Affine,
+    /// The parameter changes by no more between a pixel's centre and its corners, anywhere.
+    farthest: f64,
+    /// A radial gradient's quadratic coefficient, and its inverse.
+    quadratic: (f64, f64),
     /// Made for the first region in which the colour map turns.
     map: OnceLock<ColorMap>,
 }
@@ -100,7 +145,13 @@ struct Stretch {
     color: [f32; 4],
     /// Change of the colour with the parameter.
     slope: [f32; 4],
+    /// At least the second coefficient of any premultiplied component: 0 where alpha stays or colour does.
+    bend: f64,
 }
+
+/// The square of a length l of the parameter, times the bend, of which a twelfth is what the colour in the
+/// middle is off by: a quarter of an 8-bit level.
+const MOST_BEND: f64 = 12.0 * 0.25 / 255.0;
 
 impl Stretch {
     #[inline]
@@ -110,9 +161,10 @@ impl Stretch {
         Sheet::new([r, g, b], alpha)
     }
 
+    /// Is the colour in the middle of [from, to] the mean over it?
     #[inline]
     fn holds(&self, from: f64, to: f64) -> bool {
-        self.from <= from && to <= self.to
+        self.from <= from && to <= self.to && self.bend * (to - from) * (to - from) <= MOST_BEND
     }
 
     /// At least the change of any premultiplied component with the parameter.
@@ -149,7 +201,20 @@ impl<'a> GradientShader<'a> {
             GradientShape::Linear(map) => map * to_plane,
             GradientShape::Radial { .. } => to_plane,
         };
-        GradientShader { gradient, to_plane, map: OnceLock::new() }
+        let [a, b, c, d, ..] = to_plane.as_coeffs();
+        let (farthest, quadratic) = match gradient.shape {
+            GradientShape::Linear(_) => (0.5 * (a.abs() + c.abs()), 0.0),
+            GradientShape::Radial { step: (dx, dy, dr), .. } => {
+                // On a cone that holds its focal circle the parameter is nowhere steeper than where the
+                // circles lie closest.
+                let closest = dr - dx.hypot(dy);
+                let farthest =
+                    if closest > 0.0 { 0.5 * (a.hypot(b) + c.hypot(d)) / closest } else { f64::INFINITY };
+                (farthest, dx * dx + dy * dy - dr * dr)
+            }
+        };
+        let quadratic = (quadratic, 1.0 / quadratic);
+        GradientShader { gradient, to_plane, farthest, quadratic, map: OnceLock::new() }
     }
 
     /// The colour of the pixel around a point, in pixels; clear where a radial gradient has none.
@@ -184,10 +249,18 @@ impl<'a> GradientShader<'a> {
             }
             return;
         }
+        let [a, b, c, d, e, f] = self.to_plane.as_coeffs();
+        let (start_x, start_y) = (c * y + e, d * y + f);
         for i in 0..count {
             let x = (x + i) as f64 + 0.5;
-            put(i, match self.local(x, y) {
-                Some(local) => self.pixel((x, y), local, &mut stretch),
+            let circle = self.circle(Point::new(a * x + start_x, b * x + start_y));
+            put(i, match circle {
+                // Most pixels are far from where the map turns.
+                Some((t, _)) if stretch.holds(t - self.farthest, t + self.farthest) => stretch.at(t),
+                Some(_) => match self.local(x, y) {
+                    Some(local) => self.pixel((x, y), local, &mut stretch),
+                    None => self.least(),
+                },
                 None => self.least(),
             });
         }
@@ -222,18 +295,54 @@ impl<'a> GradientShader<'a> {
         }
     }
 
-    #[cold]
+    #[inline(never)]
     fn mean(&self, local: Local, centre: Point, corners: &[Point]) -> Sheet {
         let map = self.map.get_or_init(|| ColorMap::new(&self.gradient.stops, self.gradient.spread));
-        let (along_x, along_y) = local.along;
-        let square = along_x * along_x + along_y * along_y;
-        let placed = |&p: &Point| {
-            let across = (along_x * (p.y - centre.y) - along_y * (p.x - centre.x)) / square;
-            (parameter_at(local, centre, p), across)
+        let integral = match self.bent(local) {
+            0 => linear_integral(map, local, centre, corners),
+            depth => {
+                let mut sum = Integral::default();
+                for (i, &corner) in corners.iter().enumerate() {
+                    let next = corners[(i + 1) % corners.len()];
+                    sum.add(self.triangle_integral(map, [centre, corner, next], depth));
+                }
+                sum
+            }
         };
-        match map.mean_over(corners.iter().map(placed)) {
-            Some(pixel) => sheet_of(pixel),
-            None => self.stretch(local.t).at(local.t),
+        integral.mean().map_or_else(|| self.stretch(local.t).at(local.t), sheet_of)
+    }
+
+    /// How often triangles have to be halved until lines of one colour are straight in them.
+    fn bent(&self, local: Local) -> u32 {
+        let GradientShape::Radial { start: (_, _, r0), step: (_, _, dr) } = self.gradient.shape else {
+            return 0;
+        };
+        // The circle's radius in pixels.
+        let [a, b, c, d, ..] = self.to_plane.as_coeffs();
+        let radius = (r0 + local.t * dr) / a.hypot(b).max(c.hypot(d));
+        match radius {
+            _ if radius >= 64.0 => 0,
+            _ if radius >= 8.0 => 1,
+            _ if radius >= 2.0 => 2,
+            _ => 3,
+        }
+    }
+
+    fn triangle_integral(&self, map: &ColorMap, corners: [Point; 3], depth: u32) -> Integral {
+        let [a, b, c] = corners;
+        if depth > 0 {
+            let (ab, bc, ca) = (a.midpoint(b), b.midpoint(c), c.midpoint(a));
+            let mut sum = Integral::default();
+            for part in [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]] {
+                sum.add(self.triangle_integral(map, part, depth - 1));
+            }
+            return sum;
+        }
+        let centre = Point::new((a.x + b.x + c.x) / 3.0, (a.y + b.y + c.y) / 3.0);
+        // Where there is no colour there is nothing to add but area.
+        match self.local(centre.x, centre.y) {
+            Some(local) => linear_integral(map, local, centre, &corners),
+            None => Integral { area: 0.5 * (b - a).cross(c - a), ..Integral::default() },
         }
     }
 
@@ -256,13 +365,14 @@ impl<'a> GradientShader<'a> {
             Spread::Reflect => (period, period % 2.0 != 0.0),
         };
         let within = if backwards { 1.0 - (t - first) } else { t - first };
-        let Stretch { from, to, origin, color, slope } = self.stretch_within(within);
-        let (from, to) = (from.max(0.0), to.min(1.0));
+        let inner = self.stretch_within(within);
+        let (from, to) = (inner.from.max(0.0), inner.to.min(1.0));
         match backwards {
-            false => Stretch { from: first + from, to: first + to, origin: first + origin, color, slope },
+            false => Stretch { from: first + from, to: first + to, origin: first + inner.origin, ..inner },
             true => {
                 let back = |t: f64| first + 1.0 - t;
-                Stretch { from: back(to), to: back(from), origin: back(origin), color, slope: slope.map(|v| -v) }
+                let slope = inner.slope.map(|v| -v);
+                Stretch { from: back(to), to: back(from), origin: back(inner.origin), slope, ..inner }
             }
         }
     }
@@ -272,13 +382,22 @@ impl<'a> GradientShader<'a> {
         let stops = &self.gradient.stops;
         let behind = stops.partition_point(|stop| f64::from(stop.offset) <= t);
         let from = behind.checked_sub(1).map(|i| stops[i]);
-        let flat = |from: f64, to: f64, color| Stretch { from, to, origin: 0.0, color, slope: [0.0; 4] };
+        let flat = |from: f64, to: f64, color| Stretch {
+            from,
+            to,
+            origin: 0.0,
+            color,
+            slope: [0.0; 4],
+            bend: 0.0,
+        };
         match (from, stops.get(behind)) {
             (Some(a), Some(b)) => {
                 let length = b.offset - a.offset;
-                let slope = std::array::from_fn(|i| (b.color[i] - a.color[i]) / length);
+                let slope: [f32; 4] = std::array::from_fn(|i| (b.color[i] - a.color[i]) / length);
                 let (from, to) = (f64::from(a.offset), f64::from(b.offset));
-                Stretch { from, to, origin: from, color: a.color, slope }
+                let [red, green, blue, alpha] = slope.map(|v| f64::from(v).abs());
+                let bend = red.max(green).max(blue) * alpha;
+                Stretch { from, to, origin: from, color: a.color, slope, bend }
             }
             (Some(last), None) => flat(f64::from(last.offset), f64::INFINITY, last.color),
             (None, Some(first)) => flat(f64::NEG_INFINITY, f64::from(first.offset), first.color),
@@ -321,7 +440,7 @@ impl<'a> GradientShader<'a> {
         };
         // |p - start - t (dx, dy)| = r0 + t dr
         let (px, py) = (p.x - x0, p.y - y0);
-        let a = dx * dx + dy * dy - dr * dr;
+        let (a, inverse) = self.quadratic;
         let half_b = px * dx + py * dy + r0 * dr;
         let c = px * px + py * py - r0 * r0;
         let valid = |t: f64, slope: f64| (t.is_finite() && r0 + t * dr >= 0.0).then_some((t, slope));
@@ -334,8 +453,18 @@ impl<'a> GradientShader<'a> {
         }
         // The greater of the two first: the one with the root's sign that of a.
         let root = square.sqrt().copysign(a);
-        valid((half_b + root) / a, -root).or_else(|| valid((half_b - root) / a, root))
+        valid((half_b + root) * inverse, -root).or_else(|| valid((half_b - root) * inverse, root))
     }
+}
+
+/// Over a polygon on which the parameter is linear.
+fn linear_integral(map: &ColorMap, local: Local, centre: Point, corners: &[Point]) -> Integral {
+    let (along_x, along_y) = local.along;
+    let square = along_x * along_x + along_y * along_y;
+    map.over(corners.iter().map(|&p| {
+        let across = (along_x * (p.y - centre.y) - along_y * (p.x - centre.x)) / square;
+        (parameter_at(local, centre, p), across)
+    }))
 }
 
 #[inline]
