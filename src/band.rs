@@ -98,10 +98,10 @@ impl<C: Coverage> BandRenderer<C> {
         let clip = shape.clip.map(|clip| self.clip(picture, band, clip, rows));
         let brush = match &shape.paint {
             Paint::Flat(sheet) => Brush::flat(*sheet),
-            paint => {
+            _ => {
                 let shader =
                     picture.around.shaders[number as usize].as_ref().expect("only flat paint has no shader");
-                Brush::Gradient { shape: number, shader, opaque: paint.is_opaque() }
+                Brush::Gradient { shape: number, shader, opaque: shader.is_opaque() }
             }
         };
         self.lap(|_| None);

@@ -49,10 +49,10 @@ pub(crate) fn shaders<'a>(
             Paint::Gradient(gradient) => {
                 Some(Shader::Gradient(GradientShader::new(gradient, viewport.transform, settings.spot_scale)))
             }
-            Paint::Layer(layer, by) => Some(Shader::Layer(layer.clone(), *by)),
-            Paint::Raster(raster) => {
-                Some(Shader::Layer(Arc::new(artist.layer(raster, shape, &shaders)?), (0, 0)))
+            Paint::Layer(layer, by) => {
+                Some(Shader::Layer { layer: layer.clone(), by: *by, opaque: layer.is_opaque() })
             }
+            Paint::Raster(raster) => Some(artist.raster(raster, shape, &shaders)?),
         };
         shaders.push(shader);
     }
@@ -73,9 +73,30 @@ struct Artist<'a> {
 }
 
 impl Artist<'_> {
-    /// The layer of one shape; `before` has the shaders of those below it.
-    fn layer(&mut self, raster: &Raster, shape: &Shape, before: &[Option<Shader>]) -> Result<Layer, Error> {
+    /// The shader of one shape; `before` has those of the shapes below it.
+    fn raster(
+        &mut self,
+        raster: &Raster,
+        shape: &Shape,
+        before: &[Option<Shader>],
+    ) -> Result<Shader<'static>, Error> {
         let (to_pixels, rect) = place_of(raster, shape, self.viewport);
+        let faded = |mut layer: Layer| {
+            if raster.opacity < 1.0 {
+                layer.pixels_mut().iter_mut().flatten().for_each(|v| *v *= raster.opacity);
+            }
+            layer
+        };
+        if let Source::Tiles(tile, place) = &raster.source {
+            if let Some(period) = period(to_pixels, *place, rect) {
+                if let Some(plane) = plane_of(tile, *place, to_pixels, period) {
+                    let drawn = self.log.run("pattern", || self.draw(&plane, to_pixels, period))?;
+                    let layer = faded(drawn);
+                    let opaque = layer.is_opaque();
+                    return Ok(Shader::Tile { layer, opaque });
+                }
+            }
+        }
         self.pixels += rect.area();
         if self.pixels > MOST_PIXELS {
             return Err(Error::Limit(format!(
@@ -84,9 +105,10 @@ impl Artist<'_> {
         }
         let mut layer = match &raster.source {
             Source::Group(group) => self.group(group, to_pixels, rect)?,
-            Source::Image { pixels, nearest } => {
-                self.log.run("image", || texture::drawn(pixels, to_pixels, rect, *nearest))
-            }
+            Source::Image { pixels, nearest } => self.log.run("image", || match whole_move(to_pixels) {
+                Some((dx, dy)) => pixels.moved_over_rect(dx, dy, rect),
+                None => texture::drawn(pixels, to_pixels, rect, *nearest),
+            }),
             Source::Tiles(tile, place) => {
                 self.log.run("pattern", || self.tiles((tile, *place), to_pixels, rect))?
             }
@@ -96,11 +118,10 @@ impl Artist<'_> {
                 self.log.run("mix-blend-mode", || self.blend(blend_mode, &mut layer, before))?;
             }
         }
-        if raster.opacity < 1.0 {
-            let opacity = raster.opacity;
-            layer.pixels_mut().iter_mut().flatten().for_each(|v| *v *= opacity);
-        }
-        Ok(layer)
+        let layer = faded(layer);
+        // Only what is opaque in its source has a chance to be so here.
+        let opaque = !matches!(raster.source, Source::Group(_)) && layer.is_opaque();
+        Ok(Shader::Layer { layer: Arc::new(layer), by: (0, 0), opaque })
     }
 
     /// Draws a scene over a rectangle of pixels. The time is that of the effect which asks for it.
@@ -173,8 +194,8 @@ impl Artist<'_> {
         let rect = layer.rect();
         let mut below = self.scene.with_shapes(self.scene.shapes[..before.len()].to_vec());
         for (shape, shader) in below.shapes.iter_mut().zip(before) {
-            if let Some(Shader::Layer(made, (dx, dy))) = shader {
-                shape.paint = Paint::Layer(made.clone(), (dx - rect.x(), dy - rect.y()));
+            if let Some(Shader::Layer { layer, by: (dx, dy), .. }) = shader {
+                shape.paint = Paint::Layer(layer.clone(), (dx - rect.x(), dy - rect.y()));
             }
         }
         let mut backdrop = self.draw(&below, self.viewport.transform, rect)?;
@@ -194,18 +215,10 @@ impl Artist<'_> {
         if to_pixels.determinant() == 0.0 || !to_pixels.is_finite() || rect.is_empty() {
             return Ok(Layer::clear(rect, Space::Srgb));
         }
-        if let Some((columns, rows)) = tiles_to_draw((tile, place), to_pixels, rect) {
-            let mut plane = tile.with_shapes(Vec::new());
-            plane.clips.clear();
-            for row in rows.start as i64..rows.end as i64 {
-                for column in columns.start as i64..columns.end as i64 {
-                    let by = Vec2::new(column as f64 * place.width(), row as f64 * place.height());
-                    add_tile(&mut plane, tile, place, by);
-                }
-            }
-            return self.draw(&plane, to_pixels, rect);
+        match plane_of(tile, place, to_pixels, rect) {
+            Some(plane) => self.draw(&plane, to_pixels, rect),
+            None => self.copied((tile, place), to_pixels, rect),
         }
-        self.copied((tile, place), to_pixels, rect)
     }
 
     /// Copies of one tile's pixels, or its mean colour where it is smaller than a pixel.
@@ -232,6 +245,37 @@ impl Artist<'_> {
         }
         Ok(layer)
     }
+}
+
+/// The move of a transform that moves by whole pixels and does nothing else.
+fn whole_move(transform: Affine) -> Option<(i32, i32)> {
+    let [a, b, c, d, e, f] = transform.as_coeffs();
+    let is_whole = [a, b, c, d] == [1.0, 0.0, 0.0, 1.0] && e.fract() == 0.0 && f.fract() == 0.0;
+    (is_whole && e.abs().max(f.abs()) < 1e8).then_some((e as i32, f as i32))
+}
+
+/// The pixels at the corner of `rect` after which a pattern repeats in whole pixels, as far as can be seen
+/// in the rectangle; `None` where it does not, or not within it.
+pub(crate) fn period(to_pixels: Affine, place: Rect, rect: IntRect) -> Option<IntRect> {
+    /// A quarter of an 8-bit level, at an edge.
+    const MOST_DRIFT: f64 = 1.0 / 1024.0;
+    const MOST_TILES_A_SIDE: u32 = 24;
+    let [a, b, c, d, ..] = to_pixels.as_coeffs();
+    if b != 0.0 || c != 0.0 || rect.is_empty() {
+        return None;
+    }
+    let side = |tile: f64, seen: usize| {
+        let seen = seen as f64;
+        let lengths = (1..=MOST_TILES_A_SIDE).map(|count| f64::from(count) * tile);
+        let repeats = |length: &f64| {
+            let off = (length - length.round()).abs();
+            length.round() >= 1.0 && *length <= seen && off * (seen / length) < MOST_DRIFT
+        };
+        lengths.into_iter().find(repeats).map(|length| length.round() as u32)
+    };
+    let width = side(a.abs() * place.width(), rect.width())?;
+    let height = side(d.abs() * place.height(), rect.height())?;
+    Some(IntRect::new(rect.x(), rect.y(), width, height))
 }
 
 /// The viewport that shows a rectangle of pixels.
@@ -262,6 +306,9 @@ pub(crate) fn tiles_to_draw(
     to_pixels: Affine,
     rect: IntRect,
 ) -> Option<(Range<f64>, Range<f64>)> {
+    if to_pixels.determinant() == 0.0 || !to_pixels.is_finite() {
+        return None;
+    }
     let seen = to_pixels.inverse().transform_rect_bbox(rect.to_rect());
     let columns =
         ((seen.x0 - place.x0) / place.width()).floor()..((seen.x1 - place.x0) / place.width()).ceil();
@@ -269,7 +316,23 @@ pub(crate) fn tiles_to_draw(
         ((seen.y0 - place.y0) / place.height()).floor()..((seen.y1 - place.y0) / place.height()).ceil();
     let count = (columns.end - columns.start) * (rows.end - rows.start);
     let shapes = (tile.shapes.len() as f64).max(1.0);
-    (count <= MOST_TILES && count * shapes <= MOST_TILED_SHAPES).then_some((columns, rows))
+    // Written so that no number fails it.
+    let is_affordable = count <= MOST_TILES && count * shapes <= MOST_TILED_SHAPES;
+    is_affordable.then_some((columns, rows))
+}
+
+/// The tiles that are seen in a rectangle, one by one; `None` where they are too many.
+fn plane_of(tile: &Scene, place: Rect, to_pixels: Affine, rect: IntRect) -> Option<Scene> {
+    let (columns, rows) = tiles_to_draw((tile, place), to_pixels, rect)?;
+    let mut plane = tile.with_shapes(Vec::new());
+    plane.clips.clear();
+    for row in rows.start as i64..rows.end as i64 {
+        for column in columns.start as i64..columns.end as i64 {
+            let by = Vec2::new(column as f64 * place.width(), row as f64 * place.height());
+            add_tile(&mut plane, tile, place, by);
+        }
+    }
+    Some(plane)
 }
 
 /// Width and height in pixels of a tile that is copied.

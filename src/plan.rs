@@ -7,7 +7,7 @@ use crate::edges::EdgeList;
 use crate::effects::filter::region::{regions, Canvas};
 use crate::effects::filter::{held_pixels, passes};
 use crate::effects::layer::{IntRect, Pixel};
-use crate::layers::{copied_size, over, place_of, tiles_to_draw, MOST_PIXELS};
+use crate::layers::{copied_size, over, period, place_of, tiles_to_draw, MOST_PIXELS};
 use crate::methods::{painter, Painter};
 use crate::polygons::Flattener;
 use crate::render::rows_at_once;
@@ -163,7 +163,14 @@ impl Planner<'_> {
         viewport: &Viewport,
         depth: usize,
     ) -> (u64, u64) {
-        let (to_pixels, rect) = place_of(raster, shape, viewport);
+        let (to_pixels, mut rect) = place_of(raster, shape, viewport);
+        if let Source::Tiles(tile, place) = &raster.source {
+            // What repeats in whole pixels is drawn once.
+            let repeated = period(to_pixels, *place, rect);
+            rect = repeated
+                .filter(|&once| tiles_to_draw((tile, *place), to_pixels, once).is_some())
+                .unwrap_or(rect);
+        }
         let own = rect.area() * BYTES_PER_PIXEL;
         let index = self.plan.layers.len();
         let (what, id, passes) = (String::new(), String::new(), Vec::new());

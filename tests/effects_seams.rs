@@ -479,10 +479,10 @@ fn assert_gradient(gradient: &str, red: impl Fn(f64, f64) -> f64) {
             let (x, y) = (i % SIDE, i / SIDE);
             let mut sum = 0.0;
             for point in 0..POINTS * POINTS {
-                // A lattice: no two points in one row or column, so that edges along axes are as exact.
-                let (u, v) = (f64::from(point) + 0.5, f64::from(point * 9949 % (POINTS * POINTS)) + 0.5);
+                // A lattice by the golden ratio: even along every line, so that edges are exact.
                 let count = f64::from(POINTS * POINTS);
-                let (px, py) = (f64::from(x) + u / count, f64::from(y) + v / count);
+                let v = (f64::from(point) * 0.618_033_988_749_894_9).fract();
+                let (px, py) = (f64::from(x) + (f64::from(point) + 0.5) / count, f64::from(y) + v);
                 if border.distance((px, py)) >= 0.0 {
                     sum += red(px, py) / count;
                 }

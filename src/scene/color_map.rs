@@ -14,6 +14,26 @@ use super::paint::{Spread, Stop};
 /// A component for each of premultiplied red, green, blue and alpha.
 type Sum = [f64; 4];
 
+/// Of colours over an area, whose sign is the way round the polygon.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Integral {
+    pub sum: Sum,
+    pub area: f64,
+}
+
+impl Integral {
+    pub fn add(&mut self, other: Integral) {
+        (0..4).for_each(|i| self.sum[i] += other.sum[i]);
+        self.area += other.area;
+    }
+
+    /// Premultiplied red, green, blue and alpha; `None` without an area.
+    pub fn mean(self) -> Option<[f32; 4]> {
+        let is_flat = self.area.abs() < 1e-12 || !self.area.is_finite();
+        (!is_flat).then(|| self.sum.map(|v| (v / self.area).clamp(0.0, 1.0) as f32))
+    }
+}
+
 /// Integrals of a colour map.
 #[derive(Clone, Debug)]
 pub(crate) struct ColorMap {
@@ -82,10 +102,9 @@ impl ColorMap {
         }
     }
 
-    /// The mean of premultiplied red, green, blue and alpha over a polygon whose corners are parameter,
-    /// not spread yet, and place along the lines of one colour, in a unit of length in which areas are
-    /// known. `None` of a polygon without area.
-    pub fn mean_over(&self, corners: impl Iterator<Item = (f64, f64)> + Clone) -> Option<[f32; 4]> {
+    /// The integral over a polygon whose corners are parameter, not spread yet, and place along the lines
+    /// of one colour; areas are in the units of both.
+    pub fn over(&self, corners: impl Iterator<Item = (f64, f64)> + Clone) -> Integral {
         let (least, most) =
             corners.clone().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), (t, _)| (a.min(t), b.max(t)));
         // The nearer to 0 the more digits are left.
@@ -96,21 +115,22 @@ impl ColorMap {
         // Sides that go along a line of one colour, nearly.
         let along = 1e-6 * (most - least);
         let mut points = corners.map(|(t, s)| (t - moved, s, self.integrals(t - moved)));
-        let first = points.next()?;
-        let (mut sum, mut area, mut last) = ([0.0; 4], 0.0, first);
+        let Some(first) = points.next() else {
+            return Integral::default();
+        };
+        let (mut made, mut last) = (Integral::default(), first);
         for point in points.chain([first]) {
             let ((t0, s0, one), (t1, s1, other)) = (last, point);
             let (dt, ds) = (t1 - t0, s1 - s0);
             for i in 0..4 {
                 let mean =
                     if dt.abs() > along { (other.1[i] - one.1[i]) / dt } else { 0.5 * (one.0[i] + other.0[i]) };
-                sum[i] += ds * mean;
+                made.sum[i] += ds * mean;
             }
-            area += ds * 0.5 * (t0 + t1);
+            made.area += ds * 0.5 * (t0 + t1);
             last = point;
         }
-        let is_flat = area.abs() < 1e-12 || !area.is_finite();
-        (!is_flat).then(|| sum.map(|v| (v / area).clamp(0.0, 1.0) as f32))
+        made
     }
 
     /// The integral, and its integral, from 0 to a parameter, over the map as it is spread.
@@ -197,7 +217,7 @@ mod tests {
     /// Over a rectangle.
     fn mean(map: &ColorMap, from: f64, to: f64) -> [f32; 4] {
         let corners = [(from, 0.0), (to, 0.0), (to, 1.0), (from, 1.0)];
-        map.mean_over(corners.into_iter()).expect("it has area")
+        map.over(corners.into_iter()).mean().expect("it has area")
     }
 
     fn assert_near(found: [f32; 4], gray: f32, alpha: f32) {
@@ -242,7 +262,7 @@ mod tests {
         // Width falls from 1 at 0 to 0 at 1: of the area, .51 lies before .3.
         for corners in [[(0.0, 0.0), (0.0, 1.0), (1.0, 0.3)], [(1.0, 0.3), (0.0, 0.0), (0.0, 1.0)]] {
             let stops = [stop(0.3, 1.0, 1.0), stop(0.3, 0.0, 1.0)];
-            let mean = ColorMap::new(&stops, Spread::Pad).mean_over(corners.into_iter()).expect("it has area");
+            let mean = ColorMap::new(&stops, Spread::Pad).over(corners.into_iter()).mean().expect("it has area");
             assert_near(mean, 0.51, 1.0);
         }
     }
@@ -252,8 +272,8 @@ mod tests {
         for spread in [Spread::Repeat, Spread::Reflect] {
             let corners = |far: f64| [(far + 0.2, 0.0), (far + 0.34, 0.7), (far + 0.31, 1.0)].into_iter();
             let map = map(spread);
-            let (near, far) = (map.mean_over(corners(0.0)), map.mean_over(corners(1e6)));
-            let (near, far) = (near.expect("it has area"), far.expect("it has area"));
+            let mean = |far: f64| map.over(corners(far)).mean().expect("it has area");
+            let (near, far) = (mean(0.0), mean(1e6));
             assert_near(far, near[0], near[3]);
         }
     }
@@ -261,6 +281,6 @@ mod tests {
     #[test]
     fn a_polygon_without_area_has_no_mean() {
         let corners = [(0.2, 0.0), (0.3, 0.0), (0.4, 0.0)];
-        assert_eq!(map(Spread::Pad).mean_over(corners.into_iter()), None);
+        assert_eq!(map(Spread::Pad).over(corners.into_iter()).mean(), None);
     }
 }

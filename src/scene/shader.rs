@@ -4,18 +4,27 @@
 //! A gradient's colour over a region is that at its centre as long as its colour map goes straight there.
 //! Where the map turns or jumps within the region, it is the mean ([`super::color_map`]).
 
-use super::color_map::ColorMap;
+use super::color_map::{ColorMap, Integral};
 use super::paint::{Gradient, GradientShape, Sheet, Spread};
-use crate::effects::layer::Layer;
-use kurbo::{Affine, Point};
+use crate::effects::layer::{Layer, Pixel, CLEAR};
+use kurbo::{Affine, Point, Vec2};
 use std::sync::{Arc, OnceLock};
 
 /// A paint at a picture's scale.
 #[derive(Clone, Debug)]
 pub(crate) enum Shader<'a> {
     Gradient(GradientShader<'a>),
-    /// A layer, moved by whole pixels.
-    Layer(Arc<Layer>, (i32, i32)),
+    /// A layer, moved by whole pixels; does it hide all that lies behind it?
+    Layer {
+        layer: Arc<Layer>,
+        by: (i32, i32),
+        opaque: bool,
+    },
+    /// A layer that repeats over the plane.
+    Tile {
+        layer: Layer,
+        opaque: bool,
+    },
 }
 
 /// A part of a pixel.
@@ -33,9 +42,22 @@ impl Shader<'_> {
     pub fn at(&self, x: f64, y: f64) -> Sheet {
         match self {
             Shader::Gradient(gradient) => gradient.at(x, y),
-            Shader::Layer(layer, (dx, dy)) => {
-                sheet_of(layer.pixel(x.floor() as i32 - dx, y.floor() as i32 - dy))
+            Shader::Layer { layer, by, .. } => {
+                sheet_of(layer.pixel(x.floor() as i32 - by.0, y.floor() as i32 - by.1))
             }
+            Shader::Tile { layer, .. } => {
+                let mut pixel = CLEAR;
+                repeated(layer, x.floor() as i32, y.floor() as i32, 1, |_, found| pixel = found);
+                sheet_of(pixel)
+            }
+        }
+    }
+
+    /// Does it hide what lies behind, everywhere?
+    pub fn is_opaque(&self) -> bool {
+        match self {
+            Shader::Gradient(gradient) => gradient.gradient.opaque,
+            Shader::Layer { opaque, .. } | Shader::Tile { opaque, .. } => *opaque,
         }
     }
 
@@ -51,7 +73,7 @@ impl Shader<'_> {
     pub fn even_at(&self, x: f64, y: f64) -> Option<Sheet> {
         match self {
             Shader::Gradient(gradient) => gradient.even_at(x, y),
-            Shader::Layer(..) => Some(self.at(x, y)),
+            Shader::Layer { .. } | Shader::Tile { .. } => Some(self.at(x, y)),
         }
     }
 
@@ -60,8 +82,11 @@ impl Shader<'_> {
     pub fn row(&self, x: usize, y: u32, count: usize, mut put: impl FnMut(usize, Sheet)) {
         match self {
             Shader::Gradient(gradient) => gradient.row(x, y, count, put),
-            Shader::Layer(layer, (dx, dy)) => {
-                layer.row(x as i32 - dx, y as i32 - dy, count, |i, pixel| put(i, sheet_of(pixel)));
+            Shader::Layer { layer, by, .. } => {
+                layer.row(x as i32 - by.0, y as i32 - by.1, count, |i, pixel| put(i, sheet_of(pixel)));
+            }
+            Shader::Tile { layer, .. } => {
+                repeated(layer, x as i32, y as i32, count, |i, pixel| put(i, sheet_of(pixel)));
             }
         }
     }
@@ -69,7 +94,7 @@ impl Shader<'_> {
     pub fn as_gradient(&self) -> Option<&GradientShader<'_>> {
         match self {
             Shader::Gradient(gradient) => Some(gradient),
-            Shader::Layer(..) => None,
+            Shader::Layer { .. } | Shader::Tile { .. } => None,
         }
     }
 
@@ -77,8 +102,24 @@ impl Shader<'_> {
     pub fn least(&self) -> Sheet {
         match self {
             Shader::Gradient(gradient) => gradient.least(),
-            Shader::Layer(..) => Sheet::CLEAR,
+            Shader::Layer { opaque, .. } | Shader::Tile { opaque, .. } => match opaque {
+                true => Sheet::new([0.0; 3], 1.0),
+                false => Sheet::CLEAR,
+            },
         }
+    }
+}
+
+/// Gives `put` the pixels of row `y` from column `x` on of a layer that repeats.
+#[inline]
+fn repeated(layer: &Layer, x: i32, y: i32, count: usize, mut put: impl FnMut(usize, Pixel)) {
+    let rect = layer.rect();
+    let row = (y - rect.y()).rem_euclid(rect.height() as i32) as usize;
+    let mut column = (x - rect.x()).rem_euclid(rect.width() as i32) as usize;
+    let pixels = &layer.pixels()[row * rect.width()..][..rect.width()];
+    for i in 0..count {
+        put(i, pixels[column]);
+        column = if column + 1 == pixels.len() { 0 } else { column + 1 };
     }
 }
 
@@ -95,6 +136,10 @@ pub(crate) struct GradientShader<'a> {
     to_plane: Affine,
     /// As [`crate::Settings::spot_scale`].
     spot_scale: f64,
+    /// The parameter changes by no more between the centre of the spot and its corners, anywhere.
+    farthest: f64,
+    /// A radial gradient's quadratic coefficient, and its inverse.
+    quadratic: (f64, f64),
     /// Made for the first region in which the colour map turns.
     map: OnceLock<ColorMap>,
 }
@@ -109,7 +154,13 @@ struct Stretch {
     color: [f32; 4],
     /// Change of the colour with the parameter.
     slope: [f32; 4],
+    /// At least the second coefficient of any premultiplied component: 0 where alpha stays or colour does.
+    bend: f64,
 }
+
+/// The square of a length l of the parameter, times the bend, of which a twelfth is what the colour in the
+/// middle is off by: a quarter of an 8-bit level.
+const MOST_BEND: f64 = 12.0 * 0.25 / 255.0;
 
 impl Stretch {
     #[inline]
@@ -119,9 +170,10 @@ impl Stretch {
         Sheet::new([r, g, b], alpha)
     }
 
+    /// Is the colour in the middle of [from, to] the mean over it?
     #[inline]
     fn holds(&self, from: f64, to: f64) -> bool {
-        self.from <= from && to <= self.to
+        self.from <= from && to <= self.to && self.bend * (to - from) * (to - from) <= MOST_BEND
     }
 
     /// At least the change of any premultiplied component with the parameter.
@@ -147,6 +199,9 @@ impl Local {
     }
 }
 
+/// Of a square around its middle, in halves of its side.
+const CORNERS: [(f64, f64); 4] = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
+
 /// A gradient whose colours change by no more than this within a pixel is even there. A region that is a
 /// share s of the pixel has its centre at most (1 - s) / 2 from the pixel's, so that the pixel's colour is
 /// off by at most s (1 - s) / 2 of the change: a quarter of an 8-bit level.
@@ -159,7 +214,21 @@ impl<'a> GradientShader<'a> {
             GradientShape::Linear(map) => map * to_plane,
             GradientShape::Radial { .. } => to_plane,
         };
-        GradientShader { gradient, to_plane, spot_scale, map: OnceLock::new() }
+        let [a, b, c, d, ..] = to_plane.as_coeffs();
+        let (farthest, quadratic) = match gradient.shape {
+            GradientShape::Linear(_) => (0.5 * (a.abs() + c.abs()), 0.0),
+            GradientShape::Radial { step: (dx, dy, dr), .. } => {
+                // On a cone that holds its focal circle the parameter is nowhere steeper than where the
+                // circles lie closest.
+                let closest = dr - dx.hypot(dy);
+                let farthest =
+                    if closest > 0.0 { 0.5 * (a.hypot(b) + c.hypot(d)) / closest } else { f64::INFINITY };
+                (farthest, dx * dx + dy * dy - dr * dr)
+            }
+        };
+        let quadratic = (quadratic, 1.0 / quadratic);
+        let farthest = farthest * spot_scale;
+        GradientShader { gradient, to_plane, spot_scale, farthest, quadratic, map: OnceLock::new() }
     }
 
     /// Did the colour map turn within a pixel?
@@ -199,10 +268,18 @@ impl<'a> GradientShader<'a> {
             }
             return;
         }
+        let [a, b, c, d, e, f] = self.to_plane.as_coeffs();
+        let (start_x, start_y) = (c * y + e, d * y + f);
         for i in 0..count {
             let x = (x + i) as f64 + 0.5;
-            put(i, match self.local(x, y) {
-                Some(local) => self.pixel((x, y), local, &mut stretch),
+            let circle = self.circle(Point::new(a * x + start_x, b * x + start_y));
+            put(i, match circle {
+                // Most pixels are far from where the map turns.
+                Some((t, _)) if stretch.holds(t - self.farthest, t + self.farthest) => stretch.at(t),
+                Some(_) => match self.local(x, y) {
+                    Some(local) => self.pixel((x, y), local, &mut stretch),
+                    None => self.least(),
+                },
                 None => self.least(),
             });
         }
@@ -216,11 +293,48 @@ impl<'a> GradientShader<'a> {
         if !stretch.holds(from, to) {
             *stretch = self.stretch(local.t);
             if !stretch.holds(from, to) {
-                let corners = [(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)];
-                return self.mean(local, Point::new(x, y), &corners.map(|(dx, dy)| Point::new(x + dx, y + dy)));
+                return self.square(Point::new(x, y), local, 1.0);
             }
         }
         stretch.at(local.t)
+    }
+
+    /// The mean over a square part of the spot around a point, whose side is 1 for all of it: in quarters where
+    /// the circles of a radial gradient bend too much to be taken for lines.
+    #[cold]
+    fn square(&self, at: Point, local: Local, side: f64) -> Sheet {
+        /// Next to the middle of rings.
+        const SMALLEST: f64 = 1.0 / 16.0;
+        let corners = CORNERS.map(|(dx, dy)| at + Vec2::new(dx, dy) * (0.5 * side));
+        if side <= SMALLEST || !self.bends(at, local, side) {
+            return self.mean(local, at, &corners);
+        }
+        let mut sums = [0.0; 4];
+        for (dx, dy) in CORNERS {
+            let part = at + Vec2::new(dx, dy) * (0.25 * side * self.spot_scale);
+            let sheet = match self.local(part.x, part.y) {
+                Some(local) => self.square(part, local, 0.5 * side),
+                None => self.least(),
+            };
+            sums.iter_mut().zip(sheet.channels()).for_each(|(sum, v)| *sum += 0.25 * v);
+        }
+        Sheet::from_channels(sums)
+    }
+
+    /// Do lines of one colour leave the straight line by a 128th of a pixel in this square?
+    fn bends(&self, at: Point, local: Local, side: f64) -> bool {
+        const STRAIGHT: f64 = 1.0 / 128.0;
+        if let GradientShape::Linear(_) = self.gradient.shape {
+            return false;
+        }
+        let slope = local.along.0.hypot(local.along.1);
+        CORNERS.iter().any(|&(dx, dy)| {
+            let (dx, dy) = (0.5 * side * dx, 0.5 * side * dy);
+            let there = at + Vec2::new(dx, dy) * self.spot_scale;
+            let straight = local.t + local.along.0 * dx + local.along.1 * dy;
+            let t = self.circle(self.to_plane * there).map(|(t, _)| t);
+            t.is_none_or(|t| (t - straight).abs() > STRAIGHT * slope)
+        })
     }
 
     /// The mean over a convex polygon, by the gradient's slope at the polygon's centre.
@@ -237,18 +351,54 @@ impl<'a> GradientShader<'a> {
         }
     }
 
-    #[cold]
+    #[inline(never)]
     fn mean(&self, local: Local, centre: Point, corners: &[Point]) -> Sheet {
         let map = self.map.get_or_init(|| ColorMap::new(&self.gradient.stops, self.gradient.spread));
-        let (along_x, along_y) = local.along;
-        let square = along_x * along_x + along_y * along_y;
-        let placed = |&p: &Point| {
-            let across = (along_x * (p.y - centre.y) - along_y * (p.x - centre.x)) / square;
-            (parameter_at(local, centre, p), across)
+        let integral = match self.bent(local) {
+            0 => linear_integral(map, local, centre, corners),
+            depth => {
+                let mut sum = Integral::default();
+                for (i, &corner) in corners.iter().enumerate() {
+                    let next = corners[(i + 1) % corners.len()];
+                    sum.add(self.triangle_integral(map, [centre, corner, next], depth));
+                }
+                sum
+            }
         };
-        match map.mean_over(corners.iter().map(placed)) {
-            Some(pixel) => sheet_of(pixel),
-            None => self.stretch(local.t).at(local.t),
+        integral.mean().map_or_else(|| self.stretch(local.t).at(local.t), sheet_of)
+    }
+
+    /// How often triangles have to be halved until lines of one colour are straight in them.
+    fn bent(&self, local: Local) -> u32 {
+        let GradientShape::Radial { start: (_, _, r0), step: (_, _, dr) } = self.gradient.shape else {
+            return 0;
+        };
+        // The circle's radius in pixels.
+        let [a, b, c, d, ..] = self.to_plane.as_coeffs();
+        let radius = (r0 + local.t * dr) / a.hypot(b).max(c.hypot(d));
+        match radius {
+            _ if radius >= 64.0 => 0,
+            _ if radius >= 8.0 => 1,
+            _ if radius >= 2.0 => 2,
+            _ => 3,
+        }
+    }
+
+    fn triangle_integral(&self, map: &ColorMap, corners: [Point; 3], depth: u32) -> Integral {
+        let [a, b, c] = corners;
+        if depth > 0 {
+            let (ab, bc, ca) = (a.midpoint(b), b.midpoint(c), c.midpoint(a));
+            let mut sum = Integral::default();
+            for part in [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]] {
+                sum.add(self.triangle_integral(map, part, depth - 1));
+            }
+            return sum;
+        }
+        let centre = Point::new((a.x + b.x + c.x) / 3.0, (a.y + b.y + c.y) / 3.0);
+        // Where there is no colour there is nothing to add but area.
+        match self.local(centre.x, centre.y) {
+            Some(local) => linear_integral(map, local, centre, &corners),
+            None => Integral { area: 0.5 * (b - a).cross(c - a), ..Integral::default() },
         }
     }
 
@@ -271,13 +421,14 @@ impl<'a> GradientShader<'a> {
             Spread::Reflect => (period, period % 2.0 != 0.0),
         };
         let within = if backwards { 1.0 - (t - first) } else { t - first };
-        let Stretch { from, to, origin, color, slope } = self.stretch_within(within);
-        let (from, to) = (from.max(0.0), to.min(1.0));
+        let inner = self.stretch_within(within);
+        let (from, to) = (inner.from.max(0.0), inner.to.min(1.0));
         match backwards {
-            false => Stretch { from: first + from, to: first + to, origin: first + origin, color, slope },
+            false => Stretch { from: first + from, to: first + to, origin: first + inner.origin, ..inner },
             true => {
                 let back = |t: f64| first + 1.0 - t;
-                Stretch { from: back(to), to: back(from), origin: back(origin), color, slope: slope.map(|v| -v) }
+                let slope = inner.slope.map(|v| -v);
+                Stretch { from: back(to), to: back(from), origin: back(inner.origin), slope, ..inner }
             }
         }
     }
@@ -287,13 +438,22 @@ impl<'a> GradientShader<'a> {
         let stops = &self.gradient.stops;
         let behind = stops.partition_point(|stop| f64::from(stop.offset) <= t);
         let from = behind.checked_sub(1).map(|i| stops[i]);
-        let flat = |from: f64, to: f64, color| Stretch { from, to, origin: 0.0, color, slope: [0.0; 4] };
+        let flat = |from: f64, to: f64, color| Stretch {
+            from,
+            to,
+            origin: 0.0,
+            color,
+            slope: [0.0; 4],
+            bend: 0.0,
+        };
         match (from, stops.get(behind)) {
             (Some(a), Some(b)) => {
                 let length = b.offset - a.offset;
-                let slope = std::array::from_fn(|i| (b.color[i] - a.color[i]) / length);
+                let slope: [f32; 4] = std::array::from_fn(|i| (b.color[i] - a.color[i]) / length);
                 let (from, to) = (f64::from(a.offset), f64::from(b.offset));
-                Stretch { from, to, origin: from, color: a.color, slope }
+                let [red, green, blue, alpha] = slope.map(|v| f64::from(v).abs());
+                let bend = red.max(green).max(blue) * alpha;
+                Stretch { from, to, origin: from, color: a.color, slope, bend }
             }
             (Some(last), None) => flat(f64::from(last.offset), f64::INFINITY, last.color),
             (None, Some(first)) => flat(f64::NEG_INFINITY, f64::from(first.offset), first.color),
@@ -341,7 +501,7 @@ impl<'a> GradientShader<'a> {
         };
         // |p - start - t (dx, dy)| = r0 + t dr
         let (px, py) = (p.x - x0, p.y - y0);
-        let a = dx * dx + dy * dy - dr * dr;
+        let (a, inverse) = self.quadratic;
         let half_b = px * dx + py * dy + r0 * dr;
         let c = px * px + py * py - r0 * r0;
         let valid = |t: f64, slope: f64| (t.is_finite() && r0 + t * dr >= 0.0).then_some((t, slope));
@@ -354,8 +514,18 @@ impl<'a> GradientShader<'a> {
         }
         // The greater of the two first: the one with the root's sign that of a.
         let root = square.sqrt().copysign(a);
-        valid((half_b + root) / a, -root).or_else(|| valid((half_b - root) / a, root))
+        valid((half_b + root) * inverse, -root).or_else(|| valid((half_b - root) * inverse, root))
     }
+}
+
+/// Over a polygon on which the parameter is linear.
+fn linear_integral(map: &ColorMap, local: Local, centre: Point, corners: &[Point]) -> Integral {
+    let (along_x, along_y) = local.along;
+    let square = along_x * along_x + along_y * along_y;
+    map.over(corners.iter().map(|&p| {
+        let across = (along_x * (p.y - centre.y) - along_y * (p.x - centre.x)) / square;
+        (parameter_at(local, centre, p), across)
+    }))
 }
 
 #[inline]

@@ -75,7 +75,7 @@ pub(crate) fn apply(
 ) -> Result<Layer, Error> {
     affordable(filters, regions)?;
     for (filter, &region) in filters.iter().zip(regions) {
-        layer = Run::new(filter, region, &layer).run(job)?;
+        layer = Run::new(filter, region, layer).run(job)?;
     }
     Ok(layer.into_space(Space::Srgb))
 }
@@ -166,13 +166,13 @@ struct Run<'a> {
 }
 
 impl<'a> Run<'a> {
-    fn new(filter: &'a Filter, region: IntRect, source: &Layer) -> Run<'a> {
+    fn new(filter: &'a Filter, region: IntRect, source: Layer) -> Run<'a> {
         let primitives = filter.primitives();
         let (origins, last_use) = origins_and_last_use(primitives);
         Run {
             filter,
             region,
-            source: Rc::new(source.over_rect(region)),
+            source: Rc::new(source.into_rect(region)),
             source_alpha: None,
             origins,
             last_use,
@@ -382,7 +382,7 @@ impl<'a> Run<'a> {
             return Ok(Layer::clear(self.region, Space::Srgb));
         }
         let drawn = (job.draw)(fe.root(), Affine::new([sx, 0.0, 0.0, sy, x, y]), over)?;
-        Ok(drawn.over_rect(self.region))
+        Ok(drawn.into_rect(self.region))
     }
 }
 
