@@ -30,7 +30,7 @@ const MOST_TILED_SHAPES: f64 = 16384.0;
 /// A tile that is copied is made in no more pixels than this a side.
 const LARGEST_TILE: f64 = 2048.0;
 
-/// The shader of every shape, for a scene that calls for any ([`Scene::calls_for_shaders`]); `log` is
+/// The shader of every shape, for a scene that calls for any ([`Scene::calls_for_effects`]); `log` is
 /// told what ran for them.
 ///
 /// # Errors

@@ -296,10 +296,10 @@ impl Renderer {
         let scene = unfolded.as_ref().unwrap_or(scene);
         let mut outlines = Outlines::new(scene, viewport, self.settings.method.is_jagged());
         let bands = BandLists::new(&outlines.shapes, viewport.height);
-        let log = Log::new(self.settings.stage_times);
-        let shaders = match scene.calls_for_shaders() {
-            true => layers::shaders(scene, viewport, &self.settings, &log)?,
-            false => Vec::new(),
+        let log = scene.calls_for_effects().then(|| Log::new(self.settings.stage_times));
+        let shaders = match &log {
+            Some(log) => layers::shaders(scene, viewport, &self.settings, log)?,
+            None => Vec::new(),
         };
         let background = self.settings.background.map_or(Sheet::CLEAR, |[r, g, b, a]| {
             Sheet::new([r, g, b].map(|c| f32::from(c) / 255.0), f32::from(a) / 255.0)
@@ -330,20 +330,11 @@ impl Renderer {
             false => self.stages.times.extend(laps),
         }
         self.stages.counts = self.take_counts();
-        self.take_effects(scene, &shaders, log);
+        (self.stages.effects, self.stages.lit) = match log {
+            Some(log) => effects_of(scene, &shaders, log),
+            None => (Vec::new(), Vec::new()),
+        };
         Ok(())
-    }
-
-    /// What has run besides the bands.
-    fn take_effects(&mut self, scene: &Scene, shaders: &[Option<Shader>], log: Log) {
-        let in_groups = |is: fn(Role) -> bool| scene.groups.iter().filter(|group| is(group.role)).count();
-        log.count("mask", in_groups(|role| matches!(role, Role::Mask(_))) as u64);
-        log.count("mix-blend-mode", in_groups(|role| matches!(role, Role::Blend(_))) as u64);
-        let gradients = || shaders.iter().flatten().filter_map(Shader::as_gradient);
-        log.count("gradient", gradients().count() as u64);
-        log.count("colour map", gradients().filter(|gradient| gradient.has_table()).count() as u64);
-        let entries = log.into_entries();
-        (self.stages.effects, self.stages.lit) = (entries.effects, entries.lit);
     }
 
     /// The flattening tolerance: a dark mean of linear light errs more once it is encoded.
@@ -422,6 +413,20 @@ impl Renderer {
         }
         sums
     }
+}
+
+/// What has run besides flat shapes, clips and groups.
+fn effects_of(scene: &Scene, shaders: &[Option<Shader>], log: Log) -> (Vec<EffectRuns>, Vec<LitSurface>) {
+    let gradients = || shaders.iter().flatten().filter_map(Shader::as_gradient);
+    let in_groups = |is: fn(Role) -> bool| scene.groups.iter().filter(|group| is(group.role)).count();
+    let masks = in_groups(|role| matches!(role, Role::Mask(_)));
+    let blends = in_groups(|role| matches!(role, Role::Blend(_)));
+    log.count("mask", masks as u64);
+    log.count("mix-blend-mode", blends as u64);
+    log.count("gradient", gradients().count() as u64);
+    log.count("colour map", gradients().filter(|gradient| gradient.has_table()).count() as u64);
+    let entries = log.into_entries();
+    (entries.effects, entries.lit)
 }
 
 /// A painter that goes back to the idle ones when dropped.

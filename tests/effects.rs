@@ -205,8 +205,7 @@ fn flicker(id: &str, highlights: Highlights) -> f64 {
     const STEPS: usize = 8;
     let svg =
         std::fs::read(concat!(env!("CARGO_MANIFEST_DIR"), "/samples/highlights.svg")).expect("a sample");
-    let tree =
-        toon_raster::scene::load::tree_from_bytes(&svg, &Options::default()).expect("a drawing");
+    let tree = toon_raster::scene::load::tree_from_bytes(&svg, &Options::default()).expect("a drawing");
     let scene = Scene::from_element(&tree, id).expect("an element");
     let mut renderer = Renderer::new(Settings { highlights, ..Settings::default() }).expect("a renderer");
     let light = |step: usize| -> f64 {

@@ -1,12 +1,12 @@
 //! Takes a parsed scene, makes the census of what it calls for: one pass over its shapes, and over those
 //! within its layers.
 //!
-//! What the census does not name is not set up: a scene without shaders never reaches
+//! What the census does not name is not set up: a scene that calls for no effect never reaches
 //! [`crate::layers`], and whatever is 0 here has no code run for it.
 
 use super::paint::{GradientShape, Paint};
 use super::raster::{Mask, Raster, RasterGroup, Source};
-use super::{Clip, Geometry, Scene};
+use super::{Clip, Geometry, Role, Scene};
 use crate::Error;
 use serde::Serialize;
 use usvg::filter::Kind;
@@ -126,9 +126,11 @@ impl Scene {
         Ok(census)
     }
 
-    /// Is anything painted with other than one colour? If not, no shader, layer or table is made.
-    pub(crate) fn calls_for_shaders(&self) -> bool {
+    /// Is anything painted with other than one colour, masked or blended? If not, no shader, layer or table
+    /// is made, and nothing of effects runs.
+    pub(crate) fn calls_for_effects(&self) -> bool {
         self.shapes.iter().any(|shape| !matches!(shape.paint, Paint::Flat(_)))
+            || self.groups.iter().any(|group| group.role != Role::Paint)
     }
 }
 

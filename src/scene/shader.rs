@@ -273,15 +273,18 @@ impl<'a> GradientShader<'a> {
         for i in 0..count {
             let x = (x + i) as f64 + 0.5;
             let circle = self.circle(Point::new(a * x + start_x, b * x + start_y));
-            put(i, match circle {
-                // Most pixels are far from where the map turns.
-                Some((t, _)) if stretch.holds(t - self.farthest, t + self.farthest) => stretch.at(t),
-                Some(_) => match self.local(x, y) {
-                    Some(local) => self.pixel((x, y), local, &mut stretch),
+            put(
+                i,
+                match circle {
+                    // Most pixels are far from where the map turns.
+                    Some((t, _)) if stretch.holds(t - self.farthest, t + self.farthest) => stretch.at(t),
+                    Some(_) => match self.local(x, y) {
+                        Some(local) => self.pixel((x, y), local, &mut stretch),
+                        None => self.least(),
+                    },
                     None => self.least(),
                 },
-                None => self.least(),
-            });
+            );
         }
     }
 
@@ -304,7 +307,7 @@ impl<'a> GradientShader<'a> {
     #[cold]
     fn square(&self, at: Point, local: Local, side: f64) -> Sheet {
         /// Next to the middle of rings.
-        const SMALLEST: f64 = 1.0 / 16.0;
+        const SMALLEST: f64 = 1.0 / 32.0;
         let corners = CORNERS.map(|(dx, dy)| at + Vec2::new(dx, dy) * (0.5 * side));
         if side <= SMALLEST || !self.bends(at, local, side) {
             return self.mean(local, at, &corners);
@@ -321,9 +324,9 @@ impl<'a> GradientShader<'a> {
         Sheet::from_channels(sums)
     }
 
-    /// Do lines of one colour leave the straight line by a 128th of a pixel in this square?
+    /// Do lines of one colour leave the straight line by a 512th of a pixel in this square?
     fn bends(&self, at: Point, local: Local, side: f64) -> bool {
-        const STRAIGHT: f64 = 1.0 / 128.0;
+        const STRAIGHT: f64 = 1.0 / 512.0;
         if let GradientShape::Linear(_) = self.gradient.shape {
             return false;
         }
@@ -438,14 +441,8 @@ impl<'a> GradientShader<'a> {
         let stops = &self.gradient.stops;
         let behind = stops.partition_point(|stop| f64::from(stop.offset) <= t);
         let from = behind.checked_sub(1).map(|i| stops[i]);
-        let flat = |from: f64, to: f64, color| Stretch {
-            from,
-            to,
-            origin: 0.0,
-            color,
-            slope: [0.0; 4],
-            bend: 0.0,
-        };
+        let flat =
+            |from: f64, to: f64, color| Stretch { from, to, origin: 0.0, color, slope: [0.0; 4], bend: 0.0 };
         match (from, stops.get(behind)) {
             (Some(a), Some(b)) => {
                 let length = b.offset - a.offset;

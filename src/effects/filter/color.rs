@@ -76,7 +76,8 @@ pub(super) fn transfer_over_spots(
     for y in within.y()..within.bottom() {
         for (x, pixel) in (within.x()..).zip(made.span_mut(y, within)) {
             let middle = straight(middles.pixel(x, y));
-            let corners = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(i, j)| straight(corners.pixel(x + i, y + j)));
+            let corners =
+                [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(i, j)| straight(corners.pixel(x + i, y + j)));
             let mean = |i: usize| tables[i].mean_over_spot(middle[i], corners.map(|corner| corner[i]));
             *pixel = premultiplied(std::array::from_fn(mean));
         }
