@@ -68,12 +68,7 @@ fn unfold_shape(scene: &mut Scene, shape: Shape) {
             let filtered = RasterGroup { content, filters, mask: None, blend_mode: BlendMode::Normal };
             let raster = Raster { source: Source::Group(filtered), opacity: 1.0, ..raster.clone() };
             let paint = Paint::Raster(Arc::new(raster));
-            Content::Filtered(Box::new(Shape {
-                geometry: shape.geometry.clone(),
-                paint,
-                clip: None,
-                group: 0,
-            }))
+            Content::Filtered(Box::new(Shape { geometry: shape.geometry.clone(), paint, clip: None, group: 0 }))
         }
     };
     match &group.mask {
@@ -104,7 +99,14 @@ fn add_group(scene: &mut Scene, parent: GroupId, opacity: f32, role: Role) -> Gr
 }
 
 /// Adds content, which lies within `bounds`, and the mask before it.
-fn add_masked(scene: &mut Scene, mask: &Mask, content: Content, bounds: Rect, opacity: f32, place: Place) {
+fn add_masked(
+    scene: &mut Scene,
+    mask: &Mask,
+    content: Content,
+    bounds: Rect,
+    opacity: f32,
+    place: Place,
+) {
     let mask_group = add_group(scene, place.group, 1.0, Role::Mask(mask.kind));
     let masked = add_group(scene, place.group, opacity, Role::Masked(mask_group));
     add_content(scene, content, Place { group: masked, ..place });
