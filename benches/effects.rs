@@ -54,7 +54,8 @@ fn main() {
             let file = |end: &str| folder.join(format!("{}{end}", name.replace([' ', ','], "-")));
             std::fs::write(file(".svg"), document(&body)).expect("a file");
             (pair.time_ours(), pair.time_resvg());
-            let ours = image::RgbaImage::from_raw(side, side, pair.picture.data().to_vec()).expect("its size");
+            let ours =
+                image::RgbaImage::from_raw(side, side, pair.picture.data().to_vec()).expect("its size");
             ours.save(file("-ours.png")).expect("a file");
             let theirs = pair.pixmap.clone().take_demultiplied();
             let theirs = image::RgbaImage::from_raw(side, side, theirs).expect("its size");
@@ -63,7 +64,11 @@ fn main() {
         }
         if let Some(only) = &args.only {
             for _ in 0..runs {
-                if only == "ours" { pair.time_ours() } else { pair.time_resvg() };
+                if only == "ours" {
+                    pair.time_ours()
+                } else {
+                    pair.time_resvg()
+                };
             }
             continue;
         }
@@ -140,7 +145,8 @@ fn circles(count: usize, style: &str) -> String {
     for _ in 0..count {
         let (x, y, r) = (random.within(60.0, 960.0), random.within(60.0, 960.0), random.within(30.0, 150.0));
         let color = random.pick(&COLORS);
-        write!(text, "<circle cx='{x:.2}' cy='{y:.2}' r='{r:.2}' fill='{color}' {style}/>").expect("a string");
+        write!(text, "<circle cx='{x:.2}' cy='{y:.2}' r='{r:.2}' fill='{color}' {style}/>")
+            .expect("a string");
     }
     text
 }

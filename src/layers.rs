@@ -49,7 +49,9 @@ pub(crate) fn shaders<'a>(
     for shape in &scene.shapes {
         let shader = match &shape.paint {
             Paint::Flat(_) => None,
-            Paint::Gradient(gradient) => Some(Shader::Gradient(GradientShader::new(gradient, viewport.transform))),
+            Paint::Gradient(gradient) => {
+                Some(Shader::Gradient(GradientShader::new(gradient, viewport.transform)))
+            }
             Paint::Layer(layer, by) => {
                 Some(Shader::Layer { layer: layer.clone(), by: *by, opaque: layer.is_opaque() })
             }
@@ -166,6 +168,7 @@ impl Artist<'_> {
         let mut job = Job {
             to_canvas: canvas.to_canvas,
             highlights: self.settings.highlights,
+            without_front: group.without_front,
             aliasing: self.aliasing.get(),
             draw: &mut draw,
         };

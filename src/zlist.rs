@@ -5,8 +5,8 @@
 
 use crate::coverage::Part;
 use crate::pixel::fragment::{Fragment, PIXEL_AREA};
-use crate::pixel::pair;
 use crate::pixel::paint_tree::Composite;
+use crate::pixel::pair;
 use crate::pixel::resolve::{Counts, Item, Mean, Node, Resolver, Surroundings};
 use crate::scene::paint::Sheet;
 use crate::strips::{Piece, NO_PIECE};

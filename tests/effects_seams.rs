@@ -80,7 +80,12 @@ fn area(polygon: &[Point]) -> f64 {
 type Color = [f64; 4];
 
 /// The mean over one pixel, where the colour depends only on the sides of some borders.
-fn truth(pixel: Vec<Point>, borders: &[Border], sides: &mut Vec<bool>, color: &dyn Fn(&[bool]) -> Color) -> Color {
+fn truth(
+    pixel: Vec<Point>,
+    borders: &[Border],
+    sides: &mut Vec<bool>,
+    color: &dyn Fn(&[bool]) -> Color,
+) -> Color {
     let Some((&border, rest)) = borders.split_first() else {
         return color(sides).map(|v| v * area(&pixel));
     };
@@ -116,8 +121,7 @@ fn assert_exact_within(
         for i in 0..SIDE * SIDE {
             let (x, y) = (i % SIDE, i / SIDE);
             let (left, top) = (f64::from(x), f64::from(y));
-            let square =
-                vec![(left, top), (left + 1.0, top), (left + 1.0, top + 1.0), (left, top + 1.0)];
+            let square = vec![(left, top), (left + 1.0, top), (left + 1.0, top + 1.0), (left, top + 1.0)];
             let expected = truth(square, &[border, across], &mut Vec::new(), &color);
             let [r, g, b, a] = picture.pixel(x, y).map(f64::from);
             let found = [r * a / 255.0, g * a / 255.0, b * a / 255.0, a];
@@ -125,7 +129,12 @@ fn assert_exact_within(
                 let off_by = (found - 255.0 * expected).abs();
                 if off_by > worst.0 {
                     let expected = 255.0 * expected;
-                    worst = (off_by, format!("{degrees}°, {off} px, pixel ({x}, {y}): {found:.1} is not {expected:.1}\n{body}"));
+                    worst = (
+                        off_by,
+                        format!(
+                            "{degrees}°, {off} px, pixel ({x}, {y}): {found:.1} is not {expected:.1}\n{body}"
+                        ),
+                    );
                 }
             }
         }
@@ -178,7 +187,10 @@ fn shapes_that_abut_under_one_group_opacity_leave_no_seam() {
         |a, b, _| format!("{PAPER}<g opacity='.6'>{}</g>", halves(a, b)),
         |sides| mixed(WHITE, of_halves(sides), 0.6),
     );
-    assert_exact(|a, b, _| format!("<g opacity='.6'>{}</g>", halves(a, b)), |sides| fade(of_halves(sides), 0.6));
+    assert_exact(
+        |a, b, _| format!("<g opacity='.6'>{}</g>", halves(a, b)),
+        |sides| fade(of_halves(sides), 0.6),
+    );
 }
 
 #[test]
@@ -186,7 +198,10 @@ fn shapes_that_abut_under_one_clip_leave_no_seam() {
     let color = |sides: &[bool]| if sides[1] { of_halves(sides) } else { WHITE };
     assert_exact(
         |a, b, c| {
-            format!("{PAPER}<clipPath id='c'><path d='{c}'/></clipPath><g clip-path='url(#c)'>{}</g>", halves(a, b))
+            format!(
+                "{PAPER}<clipPath id='c'><path d='{c}'/></clipPath><g clip-path='url(#c)'>{}</g>",
+                halves(a, b)
+            )
         },
         color,
     );
@@ -211,7 +226,10 @@ fn shapes_that_abut_under_one_mask_leave_no_seam() {
     for (paint, share) in [("#fff", 1.0), ("#fff' fill-opacity='.4", 0.4)] {
         assert_exact(
             |a, b, c| {
-                format!("{PAPER}<mask id='m'><path d='{c}' fill='{paint}'/></mask><g mask='url(#m)'>{}</g>", halves(a, b))
+                format!(
+                    "{PAPER}<mask id='m'><path d='{c}' fill='{paint}'/></mask><g mask='url(#m)'>{}</g>",
+                    halves(a, b)
+                )
             },
             |sides| if sides[1] { mixed(WHITE, of_halves(sides), share) } else { WHITE },
         );
@@ -290,8 +308,9 @@ fn shapes_that_abut_under_one_blend_mode_leave_no_seam() {
 
 #[test]
 fn shapes_that_abut_and_blend_each_for_itself_leave_no_seam() {
-    let difference =
-        |one: Color, other: Color| [0, 1, 2, 3].map(|i| if i == 3 { 1.0 } else { f64::abs(one[i] - other[i]) });
+    let difference = |one: Color, other: Color| {
+        [0, 1, 2, 3].map(|i| if i == 3 { 1.0 } else { f64::abs(one[i] - other[i]) })
+    };
     let style = "style='mix-blend-mode:difference'";
     assert_exact(
         |a, b, c| {
@@ -384,15 +403,17 @@ fn shapes_that_abut_under_one_gradient_leave_no_seam() {
     for (degrees, off) in places() {
         let border = Border::new(degrees, off);
         let (a, b) = (border.half(), border.reversed().half());
-        let picture = render(&format!(
-            "{GRADIENT}<path d='{a}' fill='url(#g)'/><path d='{b}' fill='url(#g)'/>"
-        ));
+        let picture =
+            render(&format!("{GRADIENT}<path d='{a}' fill='url(#g)'/><path d='{b}' fill='url(#g)'/>"));
         for i in 0..SIDE * SIDE {
             let (x, y) = (i % SIDE, i / SIDE);
             let blue = 255.0 * (f64::from(x) + 0.5) / 12.0;
             let [r, g, b, a] = picture.pixel(x, y);
             let off_by = (f64::from(b) - blue).abs().max((f64::from(r) - 255.0 + blue).abs());
-            assert!(off_by < 1.0 && g == 0 && a == 255, "({x}, {y}) at {degrees}°, {off} px: {r} {g} {b} {a}");
+            assert!(
+                off_by < 1.0 && g == 0 && a == 255,
+                "({x}, {y}) at {degrees}°, {off} px: {r} {g} {b} {a}"
+            );
         }
     }
 }
@@ -400,7 +421,7 @@ fn shapes_that_abut_under_one_gradient_leave_no_seam() {
 #[test]
 fn shapes_that_abut_under_one_filter_leave_no_seam() {
     // Red becomes green, blue stays.
-    let filter = "<filter id='f' x='-9' y='-9' width='30' height='30' filterUnits='userSpaceOnUse' color-interpolation-filters='sRGB'>
+    let filter = "<filter id='f' x='-50' y='-50' width='130' height='130' filterUnits='userSpaceOnUse' color-interpolation-filters='sRGB'>
         <feColorMatrix values='0 0 0 0 0  1 0 0 0 0  0 0 1 0 0  0 0 0 1 0'/></filter>";
     let color = |sides: &[bool]| if sides[0] { [0.0, 1.0, 0.0, 1.0] } else { BLUE };
     assert_exact(|a, b, _| format!("{PAPER}{filter}<g filter='url(#f)'>{}</g>", halves(a, b)), color);
@@ -415,14 +436,18 @@ fn shapes_that_abut_under_one_filter_leave_no_seam() {
 
 #[test]
 fn shapes_that_abut_across_the_border_of_a_filtered_group_leave_no_seam() {
-    let filter = "<filter id='f' x='-9' y='-9' width='30' height='30' filterUnits='userSpaceOnUse' color-interpolation-filters='sRGB'>
+    let filter = "<filter id='f' x='-50' y='-50' width='130' height='130' filterUnits='userSpaceOnUse' color-interpolation-filters='sRGB'>
         <feColorMatrix type='saturate' values='1'/></filter>";
     assert_exact(
-        |a, b, _| format!("{PAPER}{filter}<path d='{b}' fill='#00f'/><path d='{a}' fill='#f00' filter='url(#f)'/>"),
+        |a, b, _| {
+            format!("{PAPER}{filter}<path d='{b}' fill='#00f'/><path d='{a}' fill='#f00' filter='url(#f)'/>")
+        },
         of_halves,
     );
     assert_exact(
-        |a, b, _| format!("{PAPER}{filter}<path d='{a}' fill='#f00' filter='url(#f)'/><path d='{b}' fill='#00f'/>"),
+        |a, b, _| {
+            format!("{PAPER}{filter}<path d='{a}' fill='#f00' filter='url(#f)'/><path d='{b}' fill='#00f'/>")
+        },
         of_halves,
     );
 }
@@ -433,7 +458,9 @@ fn what_casts_a_shadow_meets_its_neighbour_without_a_seam() {
     let filter = "<filter id='f' x='-50' y='-50' width='130' height='130' filterUnits='userSpaceOnUse'>
         <feDropShadow dx='0' dy='0' stdDeviation='.4' flood-color='#f00'/></filter>";
     assert_exact(
-        |a, b, _| format!("{PAPER}{filter}<path d='{a}' fill='#f00' filter='url(#f)'/><path d='{b}' fill='#00f'/>"),
+        |a, b, _| {
+            format!("{PAPER}{filter}<path d='{a}' fill='#f00' filter='url(#f)'/><path d='{b}' fill='#00f'/>")
+        },
         of_halves,
     );
 }
@@ -541,6 +568,10 @@ fn the_rings_of_a_radial_gradient_are_their_mean_over_what_is_seen() {
         <stop offset='.5' stop-color='#000'/><stop offset='.5' stop-color='#f00'/></radialGradient>";
     assert_gradient(gradient, |x, y| {
         let t = ((x + 20.0).powi(2) + (y + 17.0).powi(2)).sqrt() / 1.7;
-        if t - t.floor() < 0.5 { 0.0 } else { 1.0 }
+        if t - t.floor() < 0.5 {
+            0.0
+        } else {
+            1.0
+        }
     });
 }

@@ -51,7 +51,9 @@ impl Mask {
         let rect = layer.rect();
         let values = match kind {
             Kind::Alpha => layer.pixels().iter().map(|p| p[3]).collect(),
-            Kind::Luminance(space) => layer.into_space(space).pixels().iter().copied().map(luminance).collect(),
+            Kind::Luminance(space) => {
+                layer.into_space(space).pixels().iter().copied().map(luminance).collect()
+            }
         };
         Mask { rect, values }
     }

@@ -118,8 +118,11 @@ impl ColorMap {
             let ((t0, s0, one), (t1, s1, other)) = (last, point);
             let (dt, ds) = (t1 - t0, s1 - s0);
             for i in 0..4 {
-                let mean =
-                    if dt.abs() > along { (other.1[i] - one.1[i]) / dt } else { 0.5 * (one.0[i] + other.0[i]) };
+                let mean = if dt.abs() > along {
+                    (other.1[i] - one.1[i]) / dt
+                } else {
+                    0.5 * (one.0[i] + other.0[i])
+                };
                 made.sum[i] += ds * mean;
             }
             made.area += ds * 0.5 * (t0 + t1);
@@ -133,7 +136,8 @@ impl ColorMap {
         let (one, two) = self.whole;
         match self.spread {
             Spread::Pad => {
-                let (end, beyond) = if t < 0.0 { (self.ends[0], t) } else { (self.ends[1], (t - 1.0).max(0.0)) };
+                let (end, beyond) =
+                    if t < 0.0 { (self.ends[0], t) } else { (self.ends[1], (t - 1.0).max(0.0)) };
                 let (first, second) = self.within(t.clamp(0.0, 1.0));
                 let more = |i: usize| second[i] + beyond * (first[i] + beyond * end[i] / 2.0);
                 (std::array::from_fn(|i| first[i] + beyond * end[i]), std::array::from_fn(more))
@@ -174,9 +178,7 @@ fn periodic(count: f64, length: f64, part: f64, within: (Sum, Sum), whole: (Sum,
     let pairs = 0.5 * count * (count - 1.0) * length;
     (
         std::array::from_fn(|i| count * whole.0[i] + within.0[i]),
-        std::array::from_fn(|i| {
-            count * whole.1[i] + (pairs + count * part) * whole.0[i] + within.1[i]
-        }),
+        std::array::from_fn(|i| count * whole.1[i] + (pairs + count * part) * whole.0[i] + within.1[i]),
     )
 }
 
@@ -257,7 +259,8 @@ mod tests {
         // Width falls from 1 at 0 to 0 at 1: of the area, .51 lies before .3.
         for corners in [[(0.0, 0.0), (0.0, 1.0), (1.0, 0.3)], [(1.0, 0.3), (0.0, 0.0), (0.0, 1.0)]] {
             let stops = [stop(0.3, 1.0, 1.0), stop(0.3, 0.0, 1.0)];
-            let mean = ColorMap::new(&stops, Spread::Pad).over(corners.into_iter()).mean().expect("it has area");
+            let mean =
+                ColorMap::new(&stops, Spread::Pad).over(corners.into_iter()).mean().expect("it has area");
             assert_near(mean, 0.51, 1.0);
         }
     }

@@ -3,7 +3,9 @@
 
 use super::paint::{Gradient, GradientShape, Paint, Spread, Stop};
 use super::raster::{Mask, Raster, RasterGroup, Source};
-use super::{Clip, ClipId, ClipMember, FillRule, Geometry, Group, GroupId, Outline, Role, Scene, Shape, Warning};
+use super::{
+    Clip, ClipId, ClipMember, FillRule, Geometry, Group, GroupId, Outline, Role, Scene, Shape, Warning,
+};
 use crate::effects::layer::{IntRect, Layer};
 use crate::Error;
 use kurbo::{Affine, Rect, Size};
@@ -197,6 +199,7 @@ impl Walk {
         let source = Source::Group(RasterGroup {
             content,
             filters: group.filters().to_vec(),
+            without_front: false,
             mask,
             blend_mode: group.blend_mode(),
         });

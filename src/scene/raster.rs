@@ -38,6 +38,8 @@ pub(crate) struct RasterGroup {
     pub content: Scene,
     /// Applied first, one after the other.
     pub filters: Vec<Arc<Filter>>,
+    /// Without what the last filter puts before all else, which is the content as it is.
+    pub without_front: bool,
     pub mask: Option<Mask>,
     /// How it meets what lies below it in its scene.
     pub blend_mode: usvg::BlendMode,

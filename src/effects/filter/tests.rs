@@ -74,7 +74,13 @@ fn filtered_by_us(svg: &str, source: Layer, highlights: Highlights) -> Result<La
     let transform = Affine::new([t.sx, t.ky, t.kx, t.sy, t.tx, t.ty].map(f64::from));
     let canvas = Canvas::new(transform).unwrap();
     let regions = regions(group.filters(), canvas.to_canvas, canvas.rect_of(picture));
-    let mut job = Job { to_canvas: canvas.to_canvas, highlights, aliasing: None, draw: &mut draw_by_resvg };
+    let mut job = Job {
+        to_canvas: canvas.to_canvas,
+        highlights,
+        without_front: false,
+        aliasing: None,
+        draw: &mut draw_by_resvg,
+    };
     let layer = apply(group.filters(), &regions, source, &mut job)?;
     Ok(canvas.shown(layer, picture).over_rect(picture))
 }
@@ -223,6 +229,7 @@ fn results_that_nobody_looks_at_are_not_made() {
     let mut job = Job {
         to_canvas: Affine::IDENTITY,
         highlights: Highlights::AsIs,
+        without_front: false,
         aliasing: None,
         draw: &mut |_, _, _| panic!("the image is not called for"),
     };
@@ -244,6 +251,7 @@ fn aliasing_is_detected_and_its_cure_told() {
         let mut job = Job {
             to_canvas: Affine::IDENTITY,
             highlights: Highlights::Clamp,
+            without_front: false,
             aliasing: Some(Aliasing::default()),
             draw: &mut draw_by_resvg,
         };
@@ -475,6 +483,7 @@ fn too_large_a_filter_is_refused() {
     let mut job = Job {
         to_canvas: Affine::IDENTITY,
         highlights: Highlights::AsIs,
+        without_front: false,
         aliasing: None,
         draw: &mut draw_by_resvg,
     };

@@ -86,7 +86,9 @@ pub(super) fn paint(
     let background = settings.background.map_or(Sheet::CLEAR, sheet_of);
     let shader = |paint| match paint {
         &Paint::Flat(_) => None,
-        Paint::Gradient(gradient) => Some(Shader::Gradient(GradientShader::new(gradient, viewport.transform))),
+        Paint::Gradient(gradient) => {
+            Some(Shader::Gradient(GradientShader::new(gradient, viewport.transform)))
+        }
         Paint::Raster(_) | Paint::Layer(..) => unreachable!("refused above"),
     };
     let shaders: Vec<Option<Shader>> = scene.shapes.iter().map(|shape| shader(&shape.paint)).collect();
