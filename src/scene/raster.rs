@@ -1,6 +1,6 @@
 //! What of a drawing is not geometry: groups under filters, masks and blend modes, and patterns. They
 //! are kept as scenes of their own, to be made into layers of pixels at a picture's scale
-//! ([`crate::layers`]).
+//! ([`crate::layers`]), or groups of the scene around them ([`super::unfold`]).
 
 use super::Scene;
 use crate::effects::layer::Layer;
