@@ -53,7 +53,8 @@ fn main() {
             std::fs::create_dir_all(folder).expect("a folder");
             let file = |end: &str| folder.join(format!("{}{end}", name.replace([' ', ','], "-")));
             std::fs::write(file(".svg"), document(&body)).expect("a file");
-            (pair.time_ours(), pair.time_resvg());
+            pair.time_ours();
+            pair.time_resvg();
             let ours =
                 image::RgbaImage::from_raw(side, side, pair.picture.data().to_vec()).expect("its size");
             ours.save(file("-ours.png")).expect("a file");
@@ -72,7 +73,8 @@ fn main() {
             }
             continue;
         }
-        (pair.time_ours(), pair.time_resvg());
+        pair.time_ours();
+        pair.time_resvg();
         let rounds: Vec<(f64, f64)> = (0..runs).map(|_| (pair.time_ours(), pair.time_resvg())).collect();
         let of = |figure: fn(&(f64, f64)) -> f64| median(rounds.iter().map(figure).collect());
         println!("| {name} | {:.2} | {:.2} | {:.2} |", of(|r| r.0), of(|r| r.1), of(|r| r.0 / r.1));
@@ -197,10 +199,8 @@ fn scenes() -> Vec<(&'static str, String)> {
         format!("{}<g style='mix-blend-mode:{mode}'>{}</g>", circles(30, ""), circles(40, "stroke='#fff'"))
     };
     let paper = "<rect width='1024' height='1024' fill='#eee'/>";
-    let mask = format!(
-        "<mask id='m' maskUnits='userSpaceOnUse' x='0' y='0' width='1024' height='1024'>
-        <circle cx='512' cy='512' r='480' fill='#ccc'/><circle cx='400' cy='400' r='200' fill='#fff'/></mask>"
-    );
+    let mask = "<mask id='m' maskUnits='userSpaceOnUse' x='0' y='0' width='1024' height='1024'>
+        <circle cx='512' cy='512' r='480' fill='#ccc'/><circle cx='400' cy='400' r='200' fill='#fff'/></mask>";
     let pattern = |size: u32, transform: &str| {
         format!(
             "<pattern id='p' width='{size}' height='{size}' patternUnits='userSpaceOnUse' patternTransform='{transform}'>
