@@ -146,7 +146,7 @@ impl ZLists<'_> {
         while area < PIXEL_AREA {
             let (fragment, sheet) = self.leaf(entry).filter(|(_, sheet)| sheet.is_opaque())?;
             area += fragment.area();
-            if area > PIXEL_AREA {
+            if area > PIXEL_AREA || area < PIXEL_AREA && entry.next == NO_ENTRY {
                 return None;
             }
             mean.add(front.over(sheet), fragment.area(), around.linear);
