@@ -53,8 +53,10 @@ fn main() {
             std::fs::create_dir_all(folder).expect("a folder");
             let file = |end: &str| folder.join(format!("{}{end}", name.replace([' ', ','], "-")));
             std::fs::write(file(".svg"), document(&body)).expect("a file");
-            (pair.time_ours(), pair.time_resvg());
-            let ours = image::RgbaImage::from_raw(side, side, pair.picture.data().to_vec()).expect("its size");
+            pair.time_ours();
+            pair.time_resvg();
+            let ours =
+                image::RgbaImage::from_raw(side, side, pair.picture.data().to_vec()).expect("its size");
             ours.save(file("-ours.png")).expect("a file");
             let theirs = pair.pixmap.clone().take_demultiplied();
             let theirs = image::RgbaImage::from_raw(side, side, theirs).expect("its size");
@@ -63,11 +65,16 @@ fn main() {
         }
         if let Some(only) = &args.only {
             for _ in 0..runs {
-                if only == "ours" { pair.time_ours() } else { pair.time_resvg() };
+                if only == "ours" {
+                    pair.time_ours()
+                } else {
+                    pair.time_resvg()
+                };
             }
             continue;
         }
-        (pair.time_ours(), pair.time_resvg());
+        pair.time_ours();
+        pair.time_resvg();
         let rounds: Vec<(f64, f64)> = (0..runs).map(|_| (pair.time_ours(), pair.time_resvg())).collect();
         let of = |figure: fn(&(f64, f64)) -> f64| median(rounds.iter().map(figure).collect());
         println!("| {name} | {:.2} | {:.2} | {:.2} |", of(|r| r.0), of(|r| r.1), of(|r| r.0 / r.1));
@@ -140,7 +147,8 @@ fn circles(count: usize, style: &str) -> String {
     for _ in 0..count {
         let (x, y, r) = (random.within(60.0, 960.0), random.within(60.0, 960.0), random.within(30.0, 150.0));
         let color = random.pick(&COLORS);
-        write!(text, "<circle cx='{x:.2}' cy='{y:.2}' r='{r:.2}' fill='{color}' {style}/>").expect("a string");
+        write!(text, "<circle cx='{x:.2}' cy='{y:.2}' r='{r:.2}' fill='{color}' {style}/>")
+            .expect("a string");
     }
     text
 }
@@ -191,10 +199,8 @@ fn scenes() -> Vec<(&'static str, String)> {
         format!("{}<g style='mix-blend-mode:{mode}'>{}</g>", circles(30, ""), circles(40, "stroke='#fff'"))
     };
     let paper = "<rect width='1024' height='1024' fill='#eee'/>";
-    let mask = format!(
-        "<mask id='m' maskUnits='userSpaceOnUse' x='0' y='0' width='1024' height='1024'>
-        <circle cx='512' cy='512' r='480' fill='#ccc'/><circle cx='400' cy='400' r='200' fill='#fff'/></mask>"
-    );
+    let mask = "<mask id='m' maskUnits='userSpaceOnUse' x='0' y='0' width='1024' height='1024'>
+        <circle cx='512' cy='512' r='480' fill='#ccc'/><circle cx='400' cy='400' r='200' fill='#fff'/></mask>";
     let pattern = |size: u32, transform: &str| {
         format!(
             "<pattern id='p' width='{size}' height='{size}' patternUnits='userSpaceOnUse' patternTransform='{transform}'>

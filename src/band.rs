@@ -9,9 +9,9 @@
 mod groups;
 
 use crate::bitmap::for_runs;
-use crate::cel::{Brush, Cel, Rows};
-use crate::clip::{clipped, ClipBand, Clipped};
-use crate::coverage::{BandPlace, Coverage, PartOf, Style};
+use crate::cel::{Brush, Cel, Pixels, Rows};
+use crate::clip::{ClipBand, Clipping, TakeClipped, Uniting};
+use crate::coverage::{BandPlace, Coverage, PartOf, Parts, Style};
 use crate::edges::{Bounds, EdgeList, BAND_ROWS};
 use crate::methods::BandPainter;
 use crate::outlines::{BandLists, Outlines, PlacedOutline};
@@ -110,18 +110,32 @@ impl<C: Coverage> BandRenderer<C> {
         self.lap(|laps| Some(&mut laps.strips));
         let (cel, entries) = (&mut self.cels[depth], &mut self.entries);
         let place = place_of(rows);
+        let style = style_of(outline);
         for (row, columns) in places(bounds, rows) {
-            self.coverage.row(row, columns, place, style_of(outline), |span, parts| {
-                clipped(row, span, clip.as_deref(), parts, |piece, _| match piece {
-                    Clipped::Whole(from, to) => {
-                        let picture = (depth == 0).then_some(&mut *rows);
-                        cel.solid(row, (from, to), &brush, place.top, picture, entries);
-                    }
-                    Clipped::Part(x, part) => cel.part(row, x, part, &brush, entries),
-                });
-            });
+            let picture = (depth == 0).then_some(&mut *rows);
+            let take = Painting { cel, row, brush: &brush, top: place.top, picture, entries };
+            let mut take = Clipping { row, clip: clip.as_deref(), take };
+            self.coverage.row(row, columns, place, style, &mut take);
         }
         self.lap(|laps| Some(&mut laps.sweep));
+        if let Brush::Flat(behind, _) = brush {
+            let around = Surroundings { background: behind, ..*picture.around };
+            while let Some(pixels) = self.cels[depth].take_to_resolve() {
+                self.resolve(pixels, &around, rows);
+            }
+            self.lap(|laps| Some(&mut laps.resolve));
+        }
+    }
+
+    /// Gives pixels of the picture's cel that have a z-list their colours.
+    fn resolve(&mut self, Pixels { row, word, mut bits }: Pixels, around: &Surroundings, rows: &mut Rows) {
+        let (cel, y) = (&self.cels[0], rows.top + row as u32);
+        let pixels = rows.row(row, cel.width);
+        while bits != 0 {
+            let x = word * 64 + bits.trailing_zeros() as usize;
+            bits &= bits - 1;
+            pixels[x] = self.coverage.resolve(cel.list(row, x), &self.entries, (x as u32, y), around);
+        }
     }
 
     /// Are all pixels finished that a shape may touch here?
@@ -168,9 +182,9 @@ impl<C: Coverage> BandRenderer<C> {
             // What is finished in a group may still want the clip outside it.
             let bounds = self.fill_buckets(picture, band, outline, 0, rows);
             for (row, columns) in places(bounds, rows) {
-                self.coverage.row(row, columns, place_of(rows), style_of(outline), |span, parts| {
-                    made.unite(row, span, within.as_deref(), parts);
-                });
+                let take = Uniting { row, clip: &mut made };
+                let mut take = Clipping { row, clip: within.as_deref(), take };
+                self.coverage.row(row, columns, place_of(rows), style_of(outline), &mut take);
             }
         }
         for &other in &clip.within {
@@ -188,40 +202,44 @@ impl<C: Coverage> BandRenderer<C> {
     /// Gives every pixel that is not in the picture yet its colour.
     fn finish(&mut self, picture: &Picture, mut rows: Rows) {
         let width = picture.width as usize;
-        let around = picture.around;
-        let background = around.background.to_rgba8();
-        let cel = &self.cels[0];
         for row in 0..rows.count {
-            let y = rows.top + row as u32;
-            let pixels = rows.row(row, width);
-            for (word, pixels) in pixels.chunks_mut(64).enumerate() {
-                let (done, uniform, listed) = cel.states(row, word);
-                for_runs(!(done | uniform | listed), |from, to| {
-                    // The picture may end within the word.
-                    if let Some(run) = pixels.get_mut(from..to.min(pixels.len())) {
-                        run.fill(background);
-                    }
-                });
-                for_runs(uniform, |from, to| {
-                    // Neighbours are often the same.
-                    let (mut last, mut bytes) = (Sheet::CLEAR, background);
-                    for (i, pixel) in pixels[from..to].iter_mut().enumerate() {
-                        let sheet = cel.sheet(row, word * 64 + from + i);
-                        if !sheet.is_same(last) {
-                            (last, bytes) = (sheet, sheet.over(around.background).to_rgba8());
-                        }
-                        *pixel = bytes;
-                    }
-                });
-                for_runs(listed, |from, to| {
-                    for (i, pixel) in pixels[from..to].iter_mut().enumerate() {
-                        let x = word * 64 + from + i;
-                        let at = (x as u32, y);
-                        *pixel = self.coverage.resolve(cel.list(row, x), &self.entries, at, around);
-                    }
-                });
+            for word in 0..width.div_ceil(64) {
+                let (done, uniform, listed) = self.cels[0].states(row, word);
+                let first = word * 64;
+                self.finish_uniform(picture, (row, first), [!(done | uniform | listed), uniform], &mut rows);
+                self.resolve(Pixels { row, word, bits: listed }, picture.around, &mut rows);
             }
         }
+    }
+
+    /// Gives pixels of one word that have nothing, or one sheet, their colours.
+    fn finish_uniform(
+        &self,
+        picture: &Picture,
+        (row, first): (usize, usize),
+        [empty, uniform]: [u64; 2],
+        rows: &mut Rows,
+    ) {
+        let behind = picture.around.background;
+        let background = behind.to_rgba8();
+        let pixels = &mut rows.row(row, picture.width as usize)[first..];
+        for_runs(empty, |from, to| {
+            // The picture may end within the word.
+            if let Some(run) = pixels.get_mut(from..to.min(pixels.len())) {
+                run.fill(background);
+            }
+        });
+        for_runs(uniform, |from, to| {
+            // Neighbours are often the same.
+            let (mut last, mut bytes) = (Sheet::CLEAR, background);
+            for (x, pixel) in pixels[from..to].iter_mut().enumerate() {
+                let sheet = self.cels[0].sheet(row, first + from + x);
+                if !sheet.is_same(last) {
+                    (last, bytes) = (sheet, sheet.over(behind).to_rgba8());
+                }
+                *pixel = bytes;
+            }
+        });
     }
 }
 
@@ -255,6 +273,31 @@ impl<C: Coverage> BandPainter for BandRenderer<C> {
         counts.push(("shapes_in_bands", std::mem::take(&mut self.met)));
         counts.push(("hidden_shapes", std::mem::take(&mut self.hidden)));
         counts
+    }
+}
+
+/// Paints one row of a shape into a cel.
+struct Painting<'a, 'b, P> {
+    cel: &'a mut Cel,
+    row: usize,
+    brush: &'a Brush<'a>,
+    /// The band's first row.
+    top: u32,
+    /// As for [`Cel::solid`].
+    picture: Option<&'a mut Rows<'b>>,
+    entries: &'a mut Vec<Entry<P>>,
+}
+
+impl<A: Parts> TakeClipped<A> for Painting<'_, '_, A::Part> {
+    #[inline(always)]
+    fn whole(&mut self, from: usize, to: usize) {
+        let picture = self.picture.as_deref_mut();
+        self.cel.solid(self.row, (from, to), self.brush, self.top, picture, self.entries);
+    }
+
+    #[inline(always)]
+    fn part(&mut self, x: usize, part: A::Part, _: &mut A) {
+        self.cel.part(self.row, x, part, self.brush, self.entries);
     }
 }
 

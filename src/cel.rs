@@ -6,7 +6,7 @@
 //! | finished | touched | listed | |
 //! |---|---|---|---|
 //! | 0 | 0 | 0 | nothing drawn yet |
-//! | 1 | 0 | 0 | done; its colour stands in the picture |
+//! | 1 | 0 | 0 | done; its colour stands in the picture, or it is among those `to_resolve` |
 //! | 0 or 1 | 1 | 0 | uniform so far: `sheets` holds all that was drawn |
 //! | 0 or 1 | 1 | 1 | `sheets` holds what lies in front, the z-list goes on from there |
 //!
@@ -75,7 +75,7 @@ impl Rows<'_> {
 
 /// One group's picture of one band.
 pub(crate) struct Cel {
-    width: usize,
+    pub width: usize,
     pub opacity: f32,
     pub finished: Bitmap,
     touched: Bitmap,
@@ -83,6 +83,16 @@ pub(crate) struct Cel {
     sheets: Vec<Sheet>,
     /// First and last entry of each pixel's z-list.
     lists: Vec<(u32, u32)>,
+    /// Pixels whose z-list the last shape has ended with an opaque colour, which is not in it.
+    to_resolve: Vec<Pixels>,
+}
+
+/// Some of the 64 pixels of one word of a row.
+#[derive(Clone, Copy)]
+pub(crate) struct Pixels {
+    pub row: usize,
+    pub word: usize,
+    pub bits: u64,
 }
 
 impl Cel {
@@ -97,6 +107,7 @@ impl Cel {
             listed: bitmap,
             sheets: vec![Sheet::CLEAR; width * rows],
             lists: vec![(NO_ENTRY, NO_ENTRY); width * rows],
+            to_resolve: Vec::new(),
         }
     }
 
@@ -115,8 +126,9 @@ impl Cel {
         self.finished.copy_from(&parent.finished);
     }
 
-    /// Paints pixels [from, to) of a row, behind all that was painted before. Opaque paint on new
-    /// pixels goes to `picture` at once, where there is one.
+    /// Paints pixels [from, to) of a row, behind all that was painted before. In the cel that is the
+    /// picture's, opaque paint on new pixels goes there at once, and z-lists before an opaque colour end:
+    /// [`Cel::take_to_resolve`].
     pub fn solid<P: Part>(
         &mut self,
         row: usize,
@@ -127,12 +139,13 @@ impl Cel {
         entries: &mut Vec<Entry<P>>,
     ) {
         let opaque = brush.is_opaque();
+        let ends_lists = opaque && picture.is_some() && matches!(brush, Brush::Flat(..));
         for (word, mask) in word_masks(from, to) {
             let open = mask & !self.finished.row(row)[word];
             if open == 0 {
                 continue;
             }
-            let touched = open & self.touched.row(row)[word];
+            let mut touched = open & self.touched.row(row)[word];
             let fresh = open & !touched;
             let mut done = if opaque { open } else { 0 };
             if fresh != 0 {
@@ -141,11 +154,31 @@ impl Cel {
                     _ => self.start_sheets(row, top, word, fresh, brush),
                 }
             }
+            if ends_lists && touched != 0 {
+                touched &= !self.end_lists(row, word, touched);
+            }
             if touched != 0 {
                 done |= self.paint_touched(row, top, (word, touched), brush, entries);
             }
             self.finished.row_mut(row)[word] |= done;
         }
+    }
+
+    /// Leaves those of some pixels of a word that have z-lists to be resolved; tells which these are.
+    #[inline(always)]
+    fn end_lists(&mut self, row: usize, word: usize, touched: u64) -> u64 {
+        let listed = touched & self.listed.row(row)[word];
+        if listed != 0 {
+            self.to_resolve.push(Pixels { row, word, bits: listed });
+            self.listed.row_mut(row)[word] &= !listed;
+            self.touched.row_mut(row)[word] &= !listed;
+        }
+        listed
+    }
+
+    /// Pixels whose z-list the last shape has ended, to be resolved with its colour behind everything.
+    pub fn take_to_resolve(&mut self) -> Option<Pixels> {
+        self.to_resolve.pop()
     }
 
     /// The first paint on some pixels of a word.
@@ -203,6 +236,7 @@ impl Cel {
     }
 
     /// Paints a part of one pixel, behind all that was painted before.
+    #[inline(always)]
     pub fn part<P: Part>(
         &mut self,
         row: usize,
@@ -215,10 +249,16 @@ impl Cel {
             return;
         }
         let pixel = row * self.width + x;
-        if !self.listed.get(row, x) {
+        let (at, entry) = (entries.len() as u32, Entry { next: NO_ENTRY, part, kind: brush.kind() });
+        entries.push(entry);
+        if self.listed.get(row, x) {
+            let (_, last) = &mut self.lists[pixel];
+            entries[*last as usize].next = at;
+            *last = at;
+        } else {
             self.start_list(row, x);
+            self.lists[pixel] = (at, at);
         }
-        self.append(pixel, Entry { next: NO_ENTRY, part, kind: brush.kind() }, entries);
     }
 
     #[inline(always)]
@@ -229,7 +269,6 @@ impl Cel {
             self.sheets[pixel] = Sheet::CLEAR;
         }
         self.listed.set(row, x);
-        self.lists[pixel] = (NO_ENTRY, NO_ENTRY);
     }
 
     #[inline(always)]

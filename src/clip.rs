@@ -4,7 +4,7 @@
 //! z-list as the fragment it is, so a clip beside its complement leaves no seam.
 
 use crate::bitmap::{for_runs, word_masks, Bitmap};
-use crate::coverage::{Part, Parts, Span};
+use crate::coverage::{Part, Parts, TakeSpans};
 use crate::edges::BAND_ROWS;
 
 /// One clip in one band.
@@ -31,31 +31,23 @@ impl<P: Part> ClipBand<P> {
         self.parts[row * self.width + x]
     }
 
-    /// Adds a span of a member, as far as it lies in the member's own clip.
-    pub fn unite<A: Parts<Part = P>>(
-        &mut self,
-        row: usize,
-        span: Span<A::Fragment>,
-        within: Option<&Self>,
-        parts: &mut A,
-    ) {
-        clipped(row, span, within, parts, |piece, parts| match piece {
-            Clipped::Whole(from, to) => {
-                for (word, mask) in word_masks(from, to) {
-                    self.full.row_mut(row)[word] |= mask;
-                    self.part.row_mut(row)[word] &= !mask;
-                }
-            }
-            Clipped::Part(x, part) => {
-                let at = row * self.width + x;
-                if self.part.get(row, x) {
-                    self.parts[at] = parts.either(self.parts[at], part);
-                } else if !self.full.get(row, x) {
-                    self.part.set(row, x);
-                    self.parts[at] = part;
-                }
-            }
-        });
+    /// Adds pixels [from, to) of a row.
+    fn unite_whole(&mut self, row: usize, from: usize, to: usize) {
+        for (word, mask) in word_masks(from, to) {
+            self.full.row_mut(row)[word] |= mask;
+            self.part.row_mut(row)[word] &= !mask;
+        }
+    }
+
+    /// Adds a part of one pixel.
+    fn unite_part(&mut self, row: usize, x: usize, part: P, parts: &mut impl Parts<Part = P>) {
+        let at = row * self.width + x;
+        if self.part.get(row, x) {
+            self.parts[at] = parts.either(self.parts[at], part);
+        } else if !self.full.get(row, x) {
+            self.part.set(row, x);
+            self.parts[at] = part;
+        }
     }
 
     /// Keeps what lies in the other as well.
@@ -80,51 +72,79 @@ impl<P: Part> ClipBand<P> {
     }
 }
 
-/// A span after clipping.
-#[derive(Clone, Copy)]
-pub(crate) enum Clipped<P> {
+/// Takes what is left of a row's spans.
+pub(crate) trait TakeClipped<A: Parts> {
     /// Pixels [from, to) as a whole.
-    Whole(usize, usize),
-    /// A part of one pixel.
-    Part(usize, P),
+    fn whole(&mut self, from: usize, to: usize);
+
+    /// A part of pixel `x`.
+    fn part(&mut self, x: usize, part: A::Part, parts: &mut A);
 }
 
-/// Clips a span of a row, and gives `take` what is left of it.
-#[inline(always)]
-pub(crate) fn clipped<A: Parts>(
-    row: usize,
-    span: Span<A::Fragment>,
-    clip: Option<&ClipBand<A::Part>>,
-    parts: &mut A,
-    mut take: impl FnMut(Clipped<A::Part>, &mut A),
-) {
-    match (span, clip) {
-        (Span::Solid(from, to), None) => take(Clipped::Whole(from, to), parts),
-        (Span::Part(x, fragment), None) => {
+/// Clips the spans of a row.
+pub(crate) struct Clipping<'a, P, T> {
+    pub row: usize,
+    pub clip: Option<&'a ClipBand<P>>,
+    pub take: T,
+}
+
+impl<A: Parts, T: TakeClipped<A>> TakeSpans<A> for Clipping<'_, A::Part, T> {
+    #[inline(always)]
+    fn solid(&mut self, from: usize, to: usize, parts: &mut A) {
+        match self.clip {
+            None => self.take.whole(from, to),
+            Some(clip) => clip.clip_solid(self.row, (from, to), &mut self.take, parts),
+        }
+    }
+
+    #[inline(always)]
+    fn part(&mut self, x: usize, fragment: A::Fragment, parts: &mut A) {
+        let Some(clip) = self.clip else {
             let part = parts.keep(fragment);
-            take(Clipped::Part(x, part), parts);
+            return self.take.part(x, part, parts);
+        };
+        if clip.full.get(self.row, x) {
+            let part = parts.keep(fragment);
+            self.take.part(x, part, parts);
+        } else if clip.part.get(self.row, x) {
+            let part = parts.keep(fragment);
+            let part = parts.both(part, clip.part(self.row, x));
+            self.take.part(x, part, parts);
         }
-        (Span::Solid(from, to), Some(clip)) => {
-            for (word, mask) in word_masks(from, to) {
-                for_runs(mask & clip.full.row(row)[word], |a, b| {
-                    take(Clipped::Whole(word * 64 + a, word * 64 + b), parts);
-                });
-                for_runs(mask & clip.part.row(row)[word], |a, b| {
-                    for x in word * 64 + a..word * 64 + b {
-                        take(Clipped::Part(x, clip.part(row, x)), parts);
-                    }
-                });
-            }
+    }
+}
+
+impl<P: Part> ClipBand<P> {
+    fn clip_solid<A: Parts<Part = P>>(
+        &self,
+        row: usize,
+        (from, to): (usize, usize),
+        take: &mut impl TakeClipped<A>,
+        parts: &mut A,
+    ) {
+        for (word, mask) in word_masks(from, to) {
+            for_runs(mask & self.full.row(row)[word], |a, b| take.whole(word * 64 + a, word * 64 + b));
+            for_runs(mask & self.part.row(row)[word], |a, b| {
+                for x in word * 64 + a..word * 64 + b {
+                    take.part(x, self.part(row, x), parts);
+                }
+            });
         }
-        (Span::Part(x, fragment), Some(clip)) => {
-            if clip.full.get(row, x) {
-                let part = parts.keep(fragment);
-                take(Clipped::Part(x, part), parts);
-            } else if clip.part.get(row, x) {
-                let part = parts.keep(fragment);
-                let part = parts.both(part, clip.part(row, x));
-                take(Clipped::Part(x, part), parts);
-            }
-        }
+    }
+}
+
+/// Unites what it is given with a clip.
+pub(crate) struct Uniting<'a, P> {
+    pub row: usize,
+    pub clip: &'a mut ClipBand<P>,
+}
+
+impl<A: Parts> TakeClipped<A> for Uniting<'_, A::Part> {
+    fn whole(&mut self, from: usize, to: usize) {
+        self.clip.unite_whole(self.row, from, to);
+    }
+
+    fn part(&mut self, x: usize, part: A::Part, parts: &mut A) {
+        self.clip.unite_part(self.row, x, part, parts);
     }
 }

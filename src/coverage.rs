@@ -45,18 +45,16 @@ pub(crate) trait Parts {
     fn either(&mut self, a: Self::Part, b: Self::Part) -> Self::Part;
 }
 
-/// The fragments of a method.
-pub(crate) type FragmentOf<C> = <<C as Coverage>::Parts as Parts>::Fragment;
 /// The parts of a method.
 pub(crate) type PartOf<C> = <<C as Coverage>::Parts as Parts>::Part;
 
-/// What a row of a shape consists of.
-#[derive(Clone, Copy, Debug)]
-pub(crate) enum Span<F> {
+/// Takes what a row of a shape consists of, from left to right.
+pub(crate) trait TakeSpans<A: Parts> {
     /// Pixels [from, to) lie inside.
-    Solid(usize, usize),
-    /// A part of this pixel does.
-    Part(usize, F),
+    fn solid(&mut self, from: usize, to: usize, parts: &mut A);
+
+    /// A part of pixel `x` does.
+    fn part(&mut self, x: usize, fragment: A::Fragment, parts: &mut A);
 }
 
 /// How a shape is filled.
@@ -96,7 +94,7 @@ pub(crate) trait Coverage: Send {
         columns: (usize, usize),
         place: BandPlace,
         style: Style,
-        take: impl FnMut(Span<FragmentOf<Self>>, &mut Self::Parts),
+        take: &mut impl TakeSpans<Self::Parts>,
     );
 
     /// The colour of the pixel at column `x` and row `y` of the picture: straight, 8-bit.

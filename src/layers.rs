@@ -2,7 +2,8 @@
 //! layer of pixels for each group under a filter, a mask or a blend mode, each pattern and each image.
 //!
 //! A layer's content goes through the same renderer, at the picture's own pixels; the layer then is
-//! the paint of a shape like any other. A scene of flat paint makes nothing here.
+//! the paint of a shape like any other. A scene of flat paint makes nothing here. Methods that composite
+//! region by region are given masks and blend modes as groups ([`Scene::unfolded`]), and no layers for them.
 
 use crate::effects::blend;
 use crate::effects::filter::region::{regions, Canvas};
@@ -163,6 +164,7 @@ impl Artist<'_> {
         let mut job = Job {
             to_canvas: canvas.to_canvas,
             highlights: self.settings.highlights,
+            without_front: group.without_front,
             index_aa: self.settings.index_aa,
             log: self.log,
             draw: &mut draw,

@@ -7,7 +7,7 @@
 //! | [`scene`] | SVG bytes → [`Scene`]: depth-ordered shapes, their paint, clips and groups |
 //! | [`render`] | [`Scene`] + [`Viewport`] + [`Settings`] → pixel rows; the only file that knows the order of the stages |
 //! | [`methods`] | which way of anti-aliasing → who paints |
-//! | `layers` | filters, masks, blend modes, patterns, images → layers of pixels that shapes are painted with; their content goes through [`render`] again |
+//! | `layers` | filters, patterns, images, and for some methods masks and blend modes → layers of pixels that shapes are painted with; their content goes through [`render`] again |
 //! | [`plan`] | scene + viewport → what will run for it and what that costs, without running it |
 //! | `effects` | layers of pixels → filtered, blended, masked ones |
 //! | `texture` | an image at a scale → a layer |

@@ -235,16 +235,13 @@ struct Clipper<'a, B> {
 
 impl<B: Bins> Clipper<'_, B> {
     /// Clips one strip's part of the edge to pixels.
-    #[inline]
+    #[inline(always)]
     fn strip(&mut self, strip: Strip) {
         let (first, last) = (strip.x0 >> FRACTION_BITS, strip.x1 >> FRACTION_BITS);
         if first == last {
             let left = first << FRACTION_BITS;
-            self.put_leftwards(
-                first,
-                [strip.x0 - left, strip.y0, strip.x1 - left, strip.y1],
-                CrossesLeft::No,
-            );
+            let ends = [strip.x0 - left, strip.y0, strip.x1 - left, strip.y1];
+            self.put_leftwards(first, ends, CrossesLeft::No);
         } else if first < last {
             self.rightwards(strip, first, last);
         } else {
@@ -253,6 +250,7 @@ impl<B: Bins> Clipper<'_, B> {
     }
 
     /// From pixel `first` to pixel `last`, which lies right of it.
+    #[inline(never)]
     fn rightwards(&mut self, strip: Strip, first: i32, last: i32) {
         let width = self.width;
         let slope = strip.slope();
@@ -282,6 +280,7 @@ impl<B: Bins> Clipper<'_, B> {
     }
 
     /// From pixel `first` to pixel `last`, which lies left of it.
+    #[inline(never)]
     fn leftwards(&mut self, strip: Strip, first: i32, last: i32) {
         let width = self.width;
         let slope = strip.slope();
@@ -315,7 +314,7 @@ impl<B: Bins> Clipper<'_, B> {
 
     /// As [`Clipper::put`], for a piece that runs to the left: where rounding has made it horizontal it is
     /// turned round.
-    #[inline]
+    #[inline(always)]
     fn put_leftwards(&mut self, pixel: i32, [x0, y0, x1, y1]: [i32; 4], crosses_left: CrossesLeft) {
         if y0 != y1 || x0 <= x1 {
             return self.put(pixel, [x0, y0, x1, y1], crosses_left);

@@ -1,6 +1,6 @@
 //! Takes the x-buckets of one shape in one row, makes solid runs and fragments, from left to right.
 
-use crate::coverage::{Span, Style};
+use crate::coverage::{Parts, Style, TakeSpans};
 use crate::edges::FRACTION_BITS;
 use crate::pixel::fragment::Cover;
 use crate::strips::{Buckets, Cell, Piece, NO_PIECE};
@@ -24,13 +24,13 @@ pub(crate) trait FindCover {
 /// Sweeps one row of a shape that lies within columns [from, to) and what winds round them, and empties
 /// its buckets.
 #[inline]
-pub(crate) fn row<F: FindCover>(
+pub(crate) fn row<A: Parts>(
     buckets: &mut Buckets,
     (row, columns): (usize, (usize, usize)),
     style: Style,
-    finder: &mut F,
-    pieces: &mut Vec<Piece>,
-    mut take: impl FnMut(Span<F::Fragment>),
+    (finder, pieces): (&mut impl FindCover<Fragment = A::Fragment>, &mut Vec<Piece>),
+    parts: &mut A,
+    take: &mut impl TakeSpans<A>,
 ) {
     let rule = style.rule;
     // Winding times height of all that lies left, in 1/ONE. Between cells it is a whole number of
@@ -40,30 +40,31 @@ pub(crate) fn row<F: FindCover>(
     // Where the pixels inside that are not given out yet begin.
     let mut from = 0;
     buckets.drain_row(row, columns, |x, cell| {
-        if cell.pieces != NO_PIECE {
-            let here = finder.find_cover(cell, cover_left, x, style, pieces);
-            let is_full = matches!(here, Cover::Full);
-            if inside && !is_full && from < x {
-                take(Span::Solid(from, x));
-            } else if !inside && is_full {
-                from = x;
-            }
-            inside = is_full;
-            if let Cover::Part(fragment) = here {
-                take(Span::Part(x, fragment));
-            }
-        }
+        let here = match cell.pieces {
+            NO_PIECE if inside => Cover::Full,
+            NO_PIECE => Cover::Empty,
+            _ => finder.find_cover(cell, cover_left, x, style, pieces),
+        };
         cover_left += cell.cover;
         let goes_on = rule.inside(cover_left >> FRACTION_BITS);
-        if inside && !goes_on {
-            take(Span::Solid(from, x + 1));
-        } else if !inside && goes_on {
+        let is_full = matches!(here, Cover::Full);
+        if is_full && !inside {
+            from = x;
+        }
+        let to = x + usize::from(is_full);
+        if (inside || is_full) && !(is_full && goes_on) && from < to {
+            take.solid(from, to, parts);
+        }
+        if let Cover::Part(fragment) = here {
+            take.part(x, fragment, parts);
+        }
+        if goes_on && !is_full {
             from = x + 1;
         }
         inside = goes_on;
     });
     let width = buckets.width();
     if inside && from < width {
-        take(Span::Solid(from, width));
+        take.solid(from, width, parts);
     }
 }

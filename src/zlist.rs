@@ -5,9 +5,8 @@
 
 use crate::coverage::Part;
 use crate::pixel::fragment::{Fragment, PIXEL_AREA};
-use crate::pixel::pair;
 use crate::pixel::paint_tree::Composite;
-use crate::pixel::resolve::{Counts, Item, Mean, Node, Resolver, Surroundings};
+use crate::pixel::resolve::{Item, Mean, Node, Resolver, Surroundings};
 use crate::scene::paint::Sheet;
 use crate::strips::{Piece, NO_PIECE};
 
@@ -57,19 +56,27 @@ pub(crate) struct ZLists<'a> {
 impl ZLists<'_> {
     /// The colour of a pixel with one fragment among sheets of one colour, or of opaque fragments that
     /// tile the pixel. These are nearly all pixels of most drawings.
-    pub fn resolve_simply(&self, head: Head, around: &Surroundings, counts: &mut Counts) -> Option<Mean> {
+    pub fn resolve_simply(&self, head: Head, around: &Surroundings, resolver: &mut Resolver) -> Option<Mean> {
         let entry = self.entries.get(head.first as usize)?;
         let (first, sheet) = self.leaf(entry)?;
+        if entry.next == NO_ENTRY && head.front == Sheet::CLEAR {
+            // So it is with most pixels of all.
+            let mut mean = Mean::default();
+            mean.add(sheet.over(around.background), first.area(), around.linear);
+            mean.add(around.background, PIXEL_AREA - first.area(), around.linear);
+            resolver.counts.one_fragment += 1;
+            return Some(mean);
+        }
         match self.entries.get(entry.next as usize) {
             Some(second) if second.part != WHOLE => self
-                .tiled(entry, head.front, around, counts)
-                .or_else(|| self.pair((first, sheet), second, head.front, around, counts)),
+                .tiled(entry, head.front, around, resolver)
+                .or_else(|| self.pair((first, sheet), second, head.front, around, resolver)),
             _ => {
                 let behind = self.sheets_behind(entry.next, around.background)?;
                 let mut mean = Mean::default();
                 mean.add(head.front.over(sheet.over(behind)), first.area(), around.linear);
                 mean.add(head.front.over(behind), PIXEL_AREA - first.area(), around.linear);
-                counts.one_fragment += 1;
+                resolver.counts.one_fragment += 1;
                 Some(mean)
             }
         }
@@ -97,18 +104,18 @@ impl ZLists<'_> {
         Some(front.over(background))
     }
 
-    /// Two fragments with one border line each, before sheets of one colour.
+    /// Two fragments before sheets of one colour.
     fn pair(
         &self,
         (a, front): (&Fragment, Sheet),
         second: &Entry<u32>,
         before: Sheet,
         around: &Surroundings,
-        counts: &mut Counts,
+        resolver: &mut Resolver,
     ) -> Option<Mean> {
         let (b, back) = self.leaf(second)?;
         let behind = self.sheets_behind(second.next, around.background)?;
-        let shared = pair::shared_area(a, b, self.pieces)?;
+        let shared = resolver.pair.shared_area(a, b, self.pieces)?;
         let with_back = back.over(behind);
         let mut mean = Mean::default();
         let mut add = |sheet: Sheet, area: i64| {
@@ -120,7 +127,7 @@ impl ZLists<'_> {
         add(front.over(behind), a.area() - shared);
         add(with_back, b.area() - shared);
         add(behind, PIXEL_AREA - a.area() - b.area() + shared);
-        counts.paired += 1;
+        resolver.counts.paired += 1;
         Some(mean)
     }
 
@@ -130,7 +137,7 @@ impl ZLists<'_> {
         first: &Entry<u32>,
         front: Sheet,
         around: &Surroundings,
-        counts: &mut Counts,
+        resolver: &mut Resolver,
     ) -> Option<Mean> {
         let mut mean = Mean::default();
         let mut area = 0;
@@ -139,7 +146,7 @@ impl ZLists<'_> {
         while area < PIXEL_AREA {
             let (fragment, sheet) = self.leaf(entry).filter(|(_, sheet)| sheet.is_opaque())?;
             area += fragment.area();
-            if area > PIXEL_AREA {
+            if area > PIXEL_AREA || area < PIXEL_AREA && entry.next == NO_ENTRY {
                 return None;
             }
             mean.add(front.over(sheet), fragment.area(), around.linear);
@@ -148,7 +155,7 @@ impl ZLists<'_> {
                 entry = self.entries.get(entry.next as usize)?;
             }
         }
-        counts.tiled += u64::from(borders.cancel());
+        resolver.counts.tiled += u64::from(borders.cancel());
         borders.cancel().then_some(mean)
     }
 

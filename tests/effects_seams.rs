@@ -421,7 +421,7 @@ fn shapes_that_abut_under_one_gradient_leave_no_seam() {
 #[test]
 fn shapes_that_abut_under_one_filter_leave_no_seam() {
     // Red becomes green, blue stays.
-    let filter = "<filter id='f' x='-9' y='-9' width='30' height='30' filterUnits='userSpaceOnUse' color-interpolation-filters='sRGB'>
+    let filter = "<filter id='f' x='-50' y='-50' width='130' height='130' filterUnits='userSpaceOnUse' color-interpolation-filters='sRGB'>
         <feColorMatrix values='0 0 0 0 0  1 0 0 0 0  0 0 1 0 0  0 0 0 1 0'/></filter>";
     let color = |sides: &[bool]| if sides[0] { [0.0, 1.0, 0.0, 1.0] } else { BLUE };
     assert_exact(|a, b, _| format!("{PAPER}{filter}<g filter='url(#f)'>{}</g>", halves(a, b)), color);
@@ -436,7 +436,7 @@ fn shapes_that_abut_under_one_filter_leave_no_seam() {
 
 #[test]
 fn shapes_that_abut_across_the_border_of_a_filtered_group_leave_no_seam() {
-    let filter = "<filter id='f' x='-9' y='-9' width='30' height='30' filterUnits='userSpaceOnUse' color-interpolation-filters='sRGB'>
+    let filter = "<filter id='f' x='-50' y='-50' width='130' height='130' filterUnits='userSpaceOnUse' color-interpolation-filters='sRGB'>
         <feColorMatrix type='saturate' values='1'/></filter>";
     assert_exact(
         |a, b, _| {

@@ -98,7 +98,7 @@ impl Cel {
                 for x in word * 64 + a..word * 64 + b {
                     let content = backdrop.content(row, x);
                     backdrop.touched.row_mut(row)[word] &= !(1 << (x % 64));
-                    backdrop.start_list(row, x);
+                    backdrop.start_empty_list(row, x);
                     backdrop.append_group((row, x), composite, source, None, entries);
                     backdrop.append_content((row, x), content, entries);
                 }
@@ -129,7 +129,7 @@ impl Cel {
             for x in word * 64 + a..word * 64 + b {
                 let content = self.content(row, x);
                 self.touched.row_mut(row)[word] &= !(1 << (x % 64));
-                self.start_list(row, x);
+                self.start_empty_list(row, x);
                 self.append_content((row, x), front.content(row, x), entries);
                 self.append_content((row, x), content, entries);
             }
@@ -237,9 +237,14 @@ impl Cel {
 
     fn append_mark<P: Part>(&mut self, (row, x): (usize, usize), kind: Kind, entries: &mut Vec<Entry<P>>) {
         if !self.listed.get(row, x) {
-            self.start_list(row, x);
+            self.start_empty_list(row, x);
         }
         self.append(row * self.width + x, Entry { next: NO_ENTRY, part: P::WHOLE, kind }, entries);
+    }
+
+    fn start_empty_list(&mut self, row: usize, x: usize) {
+        self.start_list(row, x);
+        self.lists[row * self.width + x] = (NO_ENTRY, NO_ENTRY);
     }
 
     /// What a pixel holds.
@@ -266,7 +271,7 @@ impl Cel {
             return;
         }
         if !self.listed.get(row, x) {
-            self.start_list(row, x);
+            self.start_empty_list(row, x);
         }
         let list = &mut self.lists[row * self.width + x];
         match list {

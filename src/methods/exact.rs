@@ -3,7 +3,7 @@
 
 use crate::band::Picture;
 use crate::bitmap::Bitmap;
-use crate::coverage::{BandPlace, Coverage, Part, Parts, Span, Style};
+use crate::coverage::{BandPlace, Coverage, Part, Parts, Style, TakeSpans};
 use crate::edges::Edge;
 use crate::pixel::fragment::{Coverer, Fragment};
 use crate::pixel::resolve::{Node, Resolver, Surroundings};
@@ -89,10 +89,10 @@ impl Coverage for Exact {
         columns: (usize, usize),
         _: BandPlace,
         style: Style,
-        mut take: impl FnMut(Span<Fragment>, &mut Nodes),
+        take: &mut impl TakeSpans<Nodes>,
     ) {
         let Exact { buckets, pieces, coverer, nodes, .. } = self;
-        sweep::row(buckets, (row, columns), style, coverer, pieces, |span| take(span, nodes));
+        sweep::row(buckets, (row, columns), style, (coverer, pieces), nodes, take);
     }
 
     #[inline]
@@ -104,7 +104,7 @@ impl Coverage for Exact {
         around: &Surroundings,
     ) -> [u8; 4] {
         let lists = ZLists { entries, nodes: &self.nodes.0, pieces: &self.pieces };
-        let mean = lists.resolve_simply(head, around, &mut self.resolver.counts);
+        let mean = lists.resolve_simply(head, around, &mut self.resolver);
         let mean = mean.unwrap_or_else(|| {
             lists.read(head, &mut self.resolver);
             self.resolver.resolve(x, y, &self.pieces, around)

@@ -12,7 +12,7 @@ use super::sets::{self, Sets};
 use super::tally::{Tally, Windings};
 use crate::band::Picture;
 use crate::bitmap::Bitmap;
-use crate::coverage::{BandPlace, Coverage, Span, Style};
+use crate::coverage::{BandPlace, Coverage, Style, TakeSpans};
 use crate::edges::{Edge, ONE};
 use crate::pixel::resolve::Surroundings;
 use crate::scene::FillRule;
@@ -96,12 +96,12 @@ impl<B: Lattice> Coverage for Masks<B> {
         columns: (usize, usize),
         _: BandPlace,
         style: Style,
-        mut take: impl FnMut(Span<B>, &mut Sets<B>),
+        take: &mut impl TakeSpans<Sets<B>>,
     ) {
         let Masks { buckets, carries, parts, .. } = self;
         let rule = style.rule;
         let mut left = buckets.take_left(row);
-        let mut runs = Runs { open: None, take: |span| take(span, parts) };
+        let mut runs = Runs { open: None, parts, take };
         // Up to here all is given out, and from here on the windings are as on the left.
         let mut from = 0;
         let mut set = left.inside(rule);
@@ -162,40 +162,35 @@ impl<B: Lattice> Cell<B> {
 }
 
 /// Joins pixels to runs.
-struct Runs<T> {
+struct Runs<'a, A, T> {
     /// Where a solid run begins that may go on.
     open: Option<usize>,
-    take: T,
+    parts: &'a mut A,
+    take: &'a mut T,
 }
 
-impl<T> Runs<T> {
+impl<B: Lattice, T: TakeSpans<Sets<B>>> Runs<'_, Sets<B>, T> {
     /// The pixels [from, to) have all this set; they follow those given before.
     #[inline]
-    fn give<B: Lattice>(&mut self, from: usize, to: usize, set: B)
-    where
-        T: FnMut(Span<B>),
-    {
+    fn give(&mut self, from: usize, to: usize, set: B) {
         if set == B::ALL {
             self.open.get_or_insert(from);
             return;
         }
         if let Some(start) = self.open.take() {
-            (self.take)(Span::Solid(start, from));
+            self.take.solid(start, from, self.parts);
         }
         if set != B::NONE {
             for x in from..to {
-                (self.take)(Span::Part(x, set));
+                self.take.part(x, set, self.parts);
             }
         }
     }
 
     /// The row ends here.
-    fn end<B>(mut self, width: usize)
-    where
-        T: FnMut(Span<B>),
-    {
+    fn end(self, width: usize) {
         if let Some(start) = self.open {
-            (self.take)(Span::Solid(start, width));
+            self.take.solid(start, width, self.parts);
         }
     }
 }

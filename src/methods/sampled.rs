@@ -9,7 +9,7 @@ use super::sets::{self, Bits, Sets};
 use super::tally::Windings;
 use crate::band::Picture;
 use crate::bitmap::Bitmap;
-use crate::coverage::{BandPlace, Coverage, Span, Style};
+use crate::coverage::{BandPlace, Coverage, Style, TakeSpans};
 use crate::edges::{Edge, ONE};
 use crate::pixel::fragment::{Cover, PieceSet, PieceSteps};
 use crate::pixel::resolve::Surroundings;
@@ -65,11 +65,11 @@ impl<B: Bits> Coverage for Sampled<B> {
         columns: (usize, usize),
         place: BandPlace,
         style: Style,
-        mut take: impl FnMut(Span<B>, &mut Sets<B>),
+        take: &mut impl TakeSpans<Sets<B>>,
     ) {
         let Sampled { buckets, pieces, finder, parts } = self;
         finder.y = place.top + row as u32;
-        sweep::row(buckets, (row, columns), style, finder, pieces, |span| take(span, parts));
+        sweep::row(buckets, (row, columns), style, (finder, pieces), parts, take);
     }
 
     fn resolve(

@@ -67,7 +67,7 @@ pub(crate) struct Coverer {
 impl FindCover for Coverer {
     type Fragment = Fragment;
 
-    #[inline]
+    #[inline(always)]
     fn find_cover(
         &mut self,
         cell: Cell,
@@ -86,7 +86,7 @@ impl FindCover for Coverer {
 
 impl Coverer {
     /// The exact cover of a pixel that holds pieces.
-    #[inline]
+    #[inline(always)]
     pub fn cover(&mut self, cell: Cell, cover_left: i32, rule: FillRule, pieces: &mut Vec<Piece>) -> Cover {
         let total = i64::from(cover_left) * i64::from(2 * ONE) + cell.area;
         let last = &pieces[cell.pieces as usize];
@@ -97,6 +97,7 @@ impl Coverer {
     }
 
     /// The cover of a pixel of a shape that is not anti-aliased: the pixel is where its centre is.
+    #[inline(never)]
     pub fn cover_of_centre(
         &mut self,
         cell: Cell,
@@ -112,6 +113,7 @@ impl Coverer {
         }
     }
 
+    #[inline(never)]
     fn cover_of_many(
         &mut self,
         last: u32,
@@ -143,7 +145,7 @@ impl Coverer {
     }
 }
 
-#[inline]
+#[inline(always)]
 fn part((area, sense): (i64, i8), pieces: u32, cover_left: i32, rule: FillRule, is_chain: bool) -> Cover {
     match area {
         0 => Cover::Empty,

@@ -53,9 +53,12 @@ impl Cleaner {
         self.cuts.clear();
         let all = &self.parts.pieces[..];
         for (i, a) in all.iter().enumerate() {
+            let (left, right) = (a.x0.min(a.x1), a.x0.max(a.x1));
             // They are sorted by their upper ends.
             for (j, b) in all.iter().enumerate().skip(i + 1).take_while(|(_, b)| b.y0 <= a.y1) {
-                self.cuts.meet((i, a.ends()), (j, b.ends()));
+                if b.x0.max(b.x1) >= left && b.x0.min(b.x1) <= right {
+                    self.cuts.meet((i, a.ends()), (j, b.ends()));
+                }
             }
             if self.cuts.len() > MOST_CUTS {
                 return;

@@ -6,6 +6,7 @@
 use super::boundary::Boundary;
 use super::fragment::{Fragment, PieceSet, PIXEL_AREA};
 use super::paint_tree::{Composite, PaintTree};
+use super::pair::Pair;
 use super::sample::Sampler;
 use super::split::{centroid, Integrator, Known, MOST_LEAVES};
 use crate::edges::ONE;
@@ -75,6 +76,7 @@ pub(crate) struct Resolver {
     /// Does the scene have clips?
     pub has_clips: bool,
     set: PieceSet,
+    pub pair: Pair,
     boundary: Boundary,
     integrator: Integrator,
     sampler: Sampler,

@@ -92,7 +92,7 @@ impl Census {
                 self.patterns += 1;
                 self.add(tile)?;
             }
-            Source::Group(RasterGroup { content, filters, mask, blend_mode }) => {
+            Source::Group(RasterGroup { content, filters, mask, blend_mode, .. }) => {
                 self.blend_modes += usize::from(*blend_mode != usvg::BlendMode::Normal);
                 self.filters += filters.len();
                 for primitive in filters.iter().flat_map(|filter| filter.primitives()) {

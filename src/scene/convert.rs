@@ -205,6 +205,7 @@ impl Walk {
         let source = Source::Group(RasterGroup {
             content,
             filters: group.filters().to_vec(),
+            without_front: false,
             mask,
             blend_mode: group.blend_mode(),
         });

@@ -278,38 +278,70 @@ impl<'a> GradientShader<'a> {
         let mut stretch = self.stretch(0.0);
         if let GradientShape::Linear(_) = self.gradient.shape {
             let [a, _, c, _, e, _] = self.to_plane.as_coeffs();
-            let start = c * y + e;
-            for i in 0..count {
-                let x = (x + i) as f64 + 0.5;
-                let local = self.spot(a * x + start, (a, c));
-                put(i, self.pixel((x, y), local, &mut stretch));
+            let (start, along, reach) = (c * y + e, (a, c), self.farthest);
+            let mut i = 0;
+            while i < count {
+                let at = |i: usize| a * ((x + i) as f64 + 0.5) + start;
+                let t = at(i);
+                if !stretch.holds(t - reach, t + reach) {
+                    put(i, self.pixel(((x + i) as f64 + 0.5, y), self.spot(t, along), &mut stretch));
+                    i += 1;
+                    continue;
+                }
+                // Pixels until the stretch ends; the cast saturates, and takes NaN to 0.
+                let end = if a > 0.0 { stretch.to - reach } else { stretch.from + reach };
+                let more = if a == 0.0 { count } else { ((end - t) / a) as usize };
+                let next = count.min(i.saturating_add(more.max(1)));
+                (i..next).for_each(|i| put(i, stretch.at(at(i))));
+                i = next;
             }
             return;
         }
+        let slowly = |x: usize, stretch: &mut Stretch| {
+            let x = x as f64 + 0.5;
+            match self.local(x, y) {
+                Some(local) => self.pixel((x, y), local, stretch),
+                None => self.least(),
+            }
+        };
+        if self.farthest == f64::INFINITY || self.steep {
+            (0..count).for_each(|i| put(i, slowly(x + i, &mut stretch)));
+            return;
+        }
+        let mut parameters = [0.0; 32];
+        for first in (0..count).step_by(parameters.len()) {
+            let some = &mut parameters[..(count - first).min(32)];
+            self.cone_row((x + first) as f64 + 0.5, y, some);
+            for (i, &t) in some.iter().enumerate() {
+                // Most pixels are far from where the map turns.
+                let i = first + i;
+                match stretch.holds(t - self.farthest, t + self.farthest) {
+                    true => put(i, stretch.at(t)),
+                    false => put(i, slowly(x + i, &mut stretch)),
+                }
+            }
+        }
+    }
+
+    /// The parameters of pixels from a centre on, of a radial gradient whose cone holds its focal circle:
+    /// each point has just one.
+    fn cone_row(&self, x: f64, y: f64, parameters: &mut [f64]) {
+        let GradientShape::Radial { start: (x0, y0, r0), step: (dx, dy, dr) } = self.gradient.shape else {
+            return;
+        };
         let [a, b, c, d, e, f] = self.to_plane.as_coeffs();
-        let (start_x, start_y) = (c * y + e, d * y + f);
-        for i in 0..count {
-            let x = (x + i) as f64 + 0.5;
-            let circle = self.circle(Point::new(a * x + start_x, b * x + start_y));
-            put(
-                i,
-                match circle {
-                    // Most pixels are far from where the map turns.
-                    Some((t, _)) if !self.steep && stretch.holds(t - self.farthest, t + self.farthest) => {
-                        stretch.at(t)
-                    }
-                    Some(_) => match self.local(x, y) {
-                        Some(local) => self.pixel((x, y), local, &mut stretch),
-                        None => self.least(),
-                    },
-                    None => self.least(),
-                },
-            );
+        let (left, top) = (c * y + e - x0, d * y + f - y0);
+        let (quadratic, inverse) = self.quadratic;
+        for (i, t) in parameters.iter_mut().enumerate() {
+            let x = x + i as f64;
+            let (px, py) = (a * x + left, b * x + top);
+            let half_b = px * dx + py * dy + r0 * dr;
+            let square = half_b * half_b - quadratic * (px * px + py * py - r0 * r0);
+            *t = (half_b - square.max(0.0).sqrt()) * inverse;
         }
     }
 
     /// The colour of a pixel. `stretch` is one that may hold it, and is replaced if it does not.
-    #[inline]
     fn pixel(&self, (x, y): (f64, f64), local: Local, stretch: &mut Stretch) -> Sheet {
         let reach = local.reach();
         let (from, to) = (local.t - reach, local.t + reach);

@@ -2,14 +2,20 @@
 //! are kept as scenes within rasters.
 //!
 //! In a tree of groups each is evaluated for every region of a pixel in which the same shapes are seen,
-//! so that no seam comes through it; a layer of pixels has mixed the regions before. What works on pixels
-//! (filters, patterns, images) stays as it is.
+//! so that no seam comes through it; a layer of pixels has mixed the regions before. Filters too become
+//! shapes where they only change colours of opaque shapes, and where they put what they filter before what
+//! they make of it, as a drop shadow does. What else works on pixels (other filters, patterns, images) stays
+//! as it is.
 
-use super::paint::Paint;
+use super::paint::{Paint, Sheet};
 use super::raster::{Mask, Raster, RasterGroup, Source};
 use super::{Clip, ClipId, ClipMember, Geometry, Group, GroupId, Role, Scene, Shape};
+use crate::effects::filter::pointwise;
+use crate::effects::layer::{Pixel, CLEAR};
+use crate::outlines::bounds_under;
 use kurbo::{Affine, Rect};
 use std::sync::Arc;
+use usvg::filter::Filter;
 use usvg::BlendMode;
 
 pub(super) fn unfolded(scene: &Scene) -> Option<Scene> {
@@ -38,12 +44,84 @@ fn foldable(paint: &Paint) -> Option<(&Raster, &RasterGroup)> {
     };
     match &raster.source {
         Source::Group(group) => {
-            let is_plain_filter =
+            let has_only_filters =
                 !group.filters.is_empty() && group.mask.is_none() && group.blend_mode == BlendMode::Normal;
-            (!is_plain_filter).then_some((&**raster, group))
+            let is_pixels = has_only_filters && Simple::of(group).is_none();
+            (!is_pixels).then_some((&**raster, group))
         }
         Source::Image { .. } | Source::Tiles(..) => None,
     }
+}
+
+/// Filters that need no pixels, or not for what they filter.
+enum Simple<'a> {
+    /// The content comes out in other colours.
+    Recolored(&'a Filter),
+    /// The content comes out as it is, before whatever else the filter makes.
+    InFront,
+}
+
+impl Simple<'_> {
+    fn of(group: &RasterGroup) -> Option<Simple<'_>> {
+        let [filter] = &group.filters[..] else {
+            return None;
+        };
+        let content = &group.content;
+        let is_opaque = |shape: &Shape| matches!(shape.paint, Paint::Flat(sheet) if sheet.is_opaque());
+        let all_opaque = content.groups.len() == 1 && content.shapes.iter().all(is_opaque);
+        let is_cut = || {
+            let bounds = content.shapes.iter().map(|shape| bounds_under(&shape.geometry, Affine::IDENTITY));
+            let mut subregions = filter.primitives().iter().map(|primitive| rect_of(primitive.rect()));
+            // Written so that no number fails it.
+            !bounds.reduce(|a, b| a.union(b)).is_some_and(|bounds| {
+                subregions.all(|subregion| {
+                    subregion.x0 <= bounds.x0
+                        && subregion.y0 <= bounds.y0
+                        && subregion.x1 >= bounds.x1
+                        && subregion.y1 >= bounds.y1
+                })
+            })
+        };
+        if group.without_front || content.shapes.is_empty() {
+            return None;
+        }
+        if pointwise::has_source_in_front(filter, all_opaque) && !is_cut() {
+            return Some(Simple::InFront);
+        }
+        let color = |pixel| pointwise::recolored(filter, pixel);
+        let stays_opaque = |shape: &Shape| match shape.paint {
+            Paint::Flat(sheet) => color(pixel_of(sheet)).is_some_and(|pixel| pixel[3] >= 1.0),
+            _ => false,
+        };
+        let is_recolored =
+            all_opaque && color(CLEAR) == Some(CLEAR) && content.shapes.iter().all(stays_opaque) && !is_cut();
+        is_recolored.then_some(Simple::Recolored(filter))
+    }
+}
+
+fn is_flat(scene: &Scene) -> bool {
+    scene.shapes.iter().all(|shape| matches!(shape.paint, Paint::Flat(_)))
+}
+
+fn pixel_of(sheet: Sheet) -> Pixel {
+    let [r, g, b, through] = sheet.channels();
+    [r, g, b, 1.0 - through]
+}
+
+fn rect_of(rect: usvg::NonZeroRect) -> Rect {
+    Rect::new(rect.left().into(), rect.top().into(), rect.right().into(), rect.bottom().into())
+}
+
+fn recolored(content: &Scene, filter: &Filter) -> Scene {
+    let mut shapes = content.shapes.clone();
+    for shape in &mut shapes {
+        if let Paint::Flat(sheet) = &mut shape.paint {
+            if let Some([r, g, b, alpha]) = pointwise::recolored(filter, pixel_of(*sheet)) {
+                *sheet = Sheet::from_channels([r, g, b, 1.0 - alpha]);
+            }
+        }
+    }
+    content.with_shapes(shapes)
 }
 
 fn unfold_shape(scene: &mut Scene, shape: Shape) {
@@ -53,7 +131,9 @@ fn unfold_shape(scene: &mut Scene, shape: Shape) {
     };
     let mut place = Place { transform: raster.transform, clip: shape.clip, group: shape.group };
     let mut opacity = raster.opacity;
-    if group.blend_mode != BlendMode::Normal || group.mask.is_none() {
+    // Flat shapes by themselves do not have to be kept apart.
+    let is_apart = opacity < 1.0 || group.filters.is_empty() || !is_flat(&group.content);
+    if group.blend_mode != BlendMode::Normal || (group.mask.is_none() && is_apart) {
         let role = match group.blend_mode {
             BlendMode::Normal => Role::Paint,
             mode => Role::Blend(mode),
@@ -64,11 +144,24 @@ fn unfold_shape(scene: &mut Scene, shape: Shape) {
     let content = match &group.filters[..] {
         [] => Content::Scene(&group.content),
         filters => {
-            let (content, filters) = (group.content.clone(), filters.to_vec());
-            let filtered = RasterGroup { content, filters, mask: None, blend_mode: BlendMode::Normal };
-            let raster = Raster { source: Source::Group(filtered), opacity: 1.0, ..raster.clone() };
-            let paint = Paint::Raster(Arc::new(raster));
-            Content::Filtered(Box::new(Shape { geometry: shape.geometry.clone(), paint, clip: None, group: 0 }))
+            let simple = Simple::of(group);
+            let filtered = || {
+                let filtered = RasterGroup {
+                    content: group.content.clone(),
+                    filters: filters.to_vec(),
+                    without_front: group.without_front || simple.is_some(),
+                    mask: None,
+                    blend_mode: BlendMode::Normal,
+                };
+                let raster = Raster { source: Source::Group(filtered), opacity: 1.0, ..raster.clone() };
+                let (geometry, paint) = (shape.geometry.clone(), Paint::Raster(Arc::new(raster)));
+                Box::new(Shape { geometry, paint, clip: None, group: 0 })
+            };
+            match simple {
+                Some(Simple::Recolored(filter)) => Content::Recolored(recolored(&group.content, filter)),
+                Some(Simple::InFront) => Content::Behind(filtered(), &group.content),
+                None => Content::Filtered(filtered()),
+            }
         }
     };
     match &group.mask {
@@ -80,15 +173,23 @@ fn unfold_shape(scene: &mut Scene, shape: Shape) {
 /// What a group holds.
 enum Content<'a> {
     Scene(&'a Scene),
+    Recolored(Scene),
     /// One shape, in the outer scene's coordinates, without clip and group.
     Filtered(Box<Shape>),
+    /// The same behind a scene.
+    Behind(Box<Shape>, &'a Scene),
 }
 
 fn add_content(scene: &mut Scene, content: Content, place: Place) {
     match content {
         Content::Scene(inner) => add_scene(scene, inner, place),
+        Content::Recolored(inner) => add_scene(scene, &inner, place),
         Content::Filtered(shape) => {
             scene.shapes.push(Shape { clip: place.clip, group: place.group, ..*shape });
+        }
+        Content::Behind(shape, inner) => {
+            scene.shapes.push(Shape { clip: place.clip, group: place.group, ..*shape });
+            add_scene(scene, inner, place);
         }
     }
 }
@@ -99,14 +200,7 @@ fn add_group(scene: &mut Scene, parent: GroupId, opacity: f32, role: Role) -> Gr
 }
 
 /// Adds content, which lies within `bounds`, and the mask before it.
-fn add_masked(
-    scene: &mut Scene,
-    mask: &Mask,
-    content: Content,
-    bounds: Rect,
-    opacity: f32,
-    place: Place,
-) {
+fn add_masked(scene: &mut Scene, mask: &Mask, content: Content, bounds: Rect, opacity: f32, place: Place) {
     let mask_group = add_group(scene, place.group, 1.0, Role::Mask(mask.kind));
     let masked = add_group(scene, place.group, opacity, Role::Masked(mask_group));
     add_content(scene, content, Place { group: masked, ..place });

@@ -11,6 +11,7 @@
 //! | `displace` | feDisplacementMap, feTile |
 //! | `light` | feDiffuseLighting, feSpecularLighting |
 //! | `morphology` | feMorphology |
+//! | [`pointwise`] | filters that need no pixels, or not for what they filter |
 //! | `turbulence` | feTurbulence |
 //! | `lines` | rows and columns for what works along one axis |
 //!
@@ -27,6 +28,7 @@ mod displace;
 pub(super) mod light;
 mod lines;
 mod morphology;
+pub(crate) mod pointwise;
 pub(crate) mod region;
 mod turbulence;
 
@@ -53,6 +55,9 @@ pub(crate) struct Job<'a> {
     /// From the group's user units to the canvas ([`region::Canvas::to_canvas`]).
     pub to_canvas: Affine,
     pub highlights: Highlights,
+    /// Leave out what [`pointwise::has_source_in_front`] tells of: it is painted otherwise.
+    pub without_front: bool,
+    /// Where there is one, what aliases of the highlights, were they drawn as they are, is added to it.
     /// Tables over noise are averaged over a pixel ([`crate::Settings::index_aa`]).
     pub index_aa: bool,
     pub log: &'a Log,
@@ -233,7 +238,10 @@ impl<'a> Run<'a> {
                 self.input_in(number, 0, space),
                 sized(fe.std_dev_x().get(), fe.std_dev_y().get()),
             ),
-            Kind::DropShadow(fe) => self.drop_shadow(fe, number, space, (sx, sy)),
+            Kind::DropShadow(fe) => {
+                let shown = !(job.without_front && number + 1 == self.origins.len());
+                self.drop_shadow(fe, number, space, (sx, sy), shown)
+            }
             Kind::Offset(fe) => self.offset(number, sized(fe.dx(), fe.dy())),
             Kind::Flood(fe) => {
                 let color = pixel_of(fe.color(), fe.opacity().get(), Space::Srgb);
@@ -249,7 +257,8 @@ impl<'a> Run<'a> {
             }
             Kind::Merge(fe) => {
                 let mut merged = Layer::clear(self.region, space);
-                for i in 0..fe.inputs().len() {
+                let is_cut = job.without_front && number + 1 == self.origins.len();
+                for i in 0..fe.inputs().len() - usize::from(is_cut) {
                     merged = combine::merged(&self.input_in(number, i, space), merged);
                 }
                 merged
@@ -362,7 +371,15 @@ impl<'a> Run<'a> {
         }
     }
 
-    fn drop_shadow(&mut self, fe: &DropShadow, number: usize, space: Space, (sx, sy): (f64, f64)) -> Layer {
+    /// The shadow, and what casts it if that is shown.
+    fn drop_shadow(
+        &mut self,
+        fe: &DropShadow,
+        number: usize,
+        space: Space,
+        (sx, sy): (f64, f64),
+        shown: bool,
+    ) -> Layer {
         let input = self.input_in(number, 0, space);
         let deviations = (f64::from(fe.std_dev_x().get()) * sx, f64::from(fe.std_dev_y().get()) * sy);
         let mut shadow = blur::gaussian(input.alpha(), deviations);
@@ -371,7 +388,12 @@ impl<'a> Run<'a> {
             *pixel = color.map(|v| v * pixel[3]);
         }
         let (dx, dy) = (whole(f64::from(fe.dx()) * sx), whole(f64::from(fe.dy()) * sy));
-        combine::merged(&input, shadow.moved_over_rect(dx, dy, self.region))
+        let moved = shadow.moved_over_rect(dx, dy, self.region);
+        if shown {
+            combine::merged(&input, moved)
+        } else {
+            moved
+        }
     }
 
     fn image(&mut self, fe: &Image, subregion: IntRect, job: &mut Job) -> Result<Layer, Error> {

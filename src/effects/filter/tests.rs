@@ -75,8 +75,14 @@ fn filtered_by_us(svg: &str, source: Layer, highlights: Highlights) -> Result<La
     let canvas = Canvas::new(transform).unwrap();
     let regions = regions(group.filters(), canvas.to_canvas, canvas.rect_of(picture));
     let log = Log::default();
-    let mut job =
-        Job { to_canvas: canvas.to_canvas, highlights, index_aa: false, log: &log, draw: &mut draw_by_resvg };
+    let mut job = Job {
+        to_canvas: canvas.to_canvas,
+        highlights,
+        without_front: false,
+        index_aa: false,
+        log: &log,
+        draw: &mut draw_by_resvg,
+    };
     let layer = apply(group.filters(), &regions, source, &mut job)?;
     Ok(canvas.shown(layer, picture).over_rect(picture))
 }
@@ -225,6 +231,7 @@ fn results_that_nobody_looks_at_are_not_made() {
     let mut job = Job {
         to_canvas: Affine::IDENTITY,
         highlights: Highlights::AsIs,
+        without_front: false,
         index_aa: false,
         log: &Log::default(),
         draw: &mut |_, _, _| panic!("the image is not called for"),
@@ -248,6 +255,7 @@ fn aliasing_is_detected_and_its_cure_told() {
         let mut job = Job {
             to_canvas: Affine::IDENTITY,
             highlights: Highlights::Clamp,
+            without_front: false,
             index_aa: false,
             log: &log,
             draw: &mut draw_by_resvg,
@@ -482,6 +490,7 @@ fn too_large_a_filter_is_refused() {
     let mut job = Job {
         to_canvas: Affine::IDENTITY,
         highlights: Highlights::AsIs,
+        without_front: false,
         index_aa: false,
         log: &Log::default(),
         draw: &mut draw_by_resvg,
