@@ -129,6 +129,8 @@ pub(crate) struct GradientShader<'a> {
     to_plane: Affine,
     /// The parameter changes by no more between a pixel's centre and its corners, anywhere.
     farthest: f64,
+    /// Below it lie the circles of a radial gradient that are too small to be nearly straight in a pixel.
+    apex: f64,
     /// A radial gradient's quadratic coefficient, and its inverse.
     quadratic: (f64, f64),
     /// Made for the first region in which the colour map turns.
@@ -202,19 +204,21 @@ impl<'a> GradientShader<'a> {
             GradientShape::Radial { .. } => to_plane,
         };
         let [a, b, c, d, ..] = to_plane.as_coeffs();
-        let (farthest, quadratic) = match gradient.shape {
-            GradientShape::Linear(_) => (0.5 * (a.abs() + c.abs()), 0.0),
-            GradientShape::Radial { step: (dx, dy, dr), .. } => {
+        let (farthest, apex, quadratic) = match gradient.shape {
+            GradientShape::Linear(_) => (0.5 * (a.abs() + c.abs()), f64::NEG_INFINITY, 0.0),
+            GradientShape::Radial { start: (_, _, r0), step: (dx, dy, dr) } => {
                 // On a cone that holds its focal circle the parameter is nowhere steeper than where the
                 // circles lie closest.
                 let closest = dr - dx.hypot(dy);
                 let farthest =
                     if closest > 0.0 { 0.5 * (a.hypot(b) + c.hypot(d)) / closest } else { f64::INFINITY };
-                (farthest, dx * dx + dy * dy - dr * dr)
+                let smallest = 2.0 * a.hypot(b).max(c.hypot(d));
+                let apex = if dr > 0.0 { (smallest - r0) / dr } else { f64::NEG_INFINITY };
+                (farthest, apex, dx * dx + dy * dy - dr * dr)
             }
         };
         let quadratic = (quadratic, 1.0 / quadratic);
-        GradientShader { gradient, to_plane, farthest, quadratic, map: OnceLock::new() }
+        GradientShader { gradient, to_plane, farthest, apex, quadratic, map: OnceLock::new() }
     }
 
     /// The colour of the pixel around a point, in pixels; clear where a radial gradient has none.
@@ -230,8 +234,9 @@ impl<'a> GradientShader<'a> {
             return Some(self.least());
         };
         let (stretch, reach) = (self.stretch(local.t), local.reach());
-        let is_even =
-            stretch.holds(local.t - reach, local.t + reach) && stretch.steepness() * 2.0 * reach <= EVEN;
+        let is_even = local.t >= self.apex
+            && stretch.holds(local.t - reach, local.t + reach)
+            && stretch.steepness() * 2.0 * reach <= EVEN;
         is_even.then(|| stretch.at(local.t))
     }
 
@@ -278,7 +283,7 @@ impl<'a> GradientShader<'a> {
             for (i, &t) in some.iter().enumerate() {
                 // Most pixels are far from where the map turns.
                 let i = first + i;
-                match stretch.holds(t - self.farthest, t + self.farthest) {
+                match t >= self.apex && stretch.holds(t - self.farthest, t + self.farthest) {
                     true => put(i, stretch.at(t)),
                     false => put(i, slowly(x + i, &mut stretch)),
                 }
@@ -310,14 +315,11 @@ impl<'a> GradientShader<'a> {
         let (from, to) = (local.t - reach, local.t + reach);
         if !stretch.holds(from, to) {
             *stretch = self.stretch(local.t);
-            if !stretch.holds(from, to) {
-                let corners = [(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)];
-                return self.mean(
-                    local,
-                    Point::new(x, y),
-                    &corners.map(|(dx, dy)| Point::new(x + dx, y + dy)),
-                );
-            }
+        }
+        if !stretch.holds(from, to) || local.t < self.apex {
+            let corners = [(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)];
+            let corners = corners.map(|(dx, dy)| Point::new(x + dx, y + dy));
+            return self.mean(local, Point::new(x, y), &corners);
         }
         stretch.at(local.t)
     }
@@ -330,7 +332,7 @@ impl<'a> GradientShader<'a> {
         let stretch = self.stretch(local.t);
         let parameters = corners.iter().map(|&p| parameter_at(local, centre, p));
         let (from, to) = parameters.fold((local.t, local.t), |(from, to), t| (t.min(from), t.max(to)));
-        match stretch.holds(from, to) {
+        match stretch.holds(from, to) && local.t >= self.apex {
             true => stretch.at(local.t),
             false => self.mean(local, centre, corners),
         }
