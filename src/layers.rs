@@ -51,7 +51,7 @@ pub(crate) fn shaders<'a>(
         let shader = match &shape.paint {
             Paint::Flat(_) => None,
             Paint::Gradient(gradient) => {
-                Some(Shader::Gradient(GradientShader::new(gradient, viewport.transform)))
+                Some(Shader::Gradient(Box::new(GradientShader::new(gradient, viewport.transform))))
             }
             Paint::Layer(layer, by) => {
                 Some(Shader::Layer { layer: layer.clone(), by: *by, opaque: layer.is_opaque() })

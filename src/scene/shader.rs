@@ -13,7 +13,7 @@ use std::sync::{Arc, OnceLock};
 /// A paint at a picture's scale.
 #[derive(Clone, Debug)]
 pub(crate) enum Shader<'a> {
-    Gradient(GradientShader<'a>),
+    Gradient(Box<GradientShader<'a>>),
     /// A layer, moved by whole pixels; does it hide all that lies behind it?
     Layer {
         layer: Arc<Layer>,

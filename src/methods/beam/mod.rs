@@ -87,7 +87,7 @@ pub(super) fn paint(
     let shader = |paint| match paint {
         &Paint::Flat(_) => None,
         Paint::Gradient(gradient) => {
-            Some(Shader::Gradient(GradientShader::new(gradient, viewport.transform)))
+            Some(Shader::Gradient(Box::new(GradientShader::new(gradient, viewport.transform))))
         }
         Paint::Raster(_) | Paint::Layer(..) => unreachable!("refused above"),
     };
