@@ -48,7 +48,8 @@ pub(crate) fn shaders<'a>(
         let shader = match &shape.paint {
             Paint::Flat(_) => None,
             Paint::Gradient(gradient) => {
-                Some(Shader::Gradient(GradientShader::new(gradient, viewport.transform, settings.spot_scale)))
+                let shader = GradientShader::new(gradient, viewport.transform, settings.spot_scale);
+                Some(Shader::Gradient(Box::new(shader)))
             }
             Paint::Layer(layer, by) => {
                 Some(Shader::Layer { layer: layer.clone(), by: *by, opaque: layer.is_opaque() })

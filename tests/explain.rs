@@ -123,10 +123,8 @@ fn each_effect_runs_for_scenes_that_call_for_it_and_no_others() {
         // What nobody looks at is not run.
         (filtered("<feGaussianBlur stdDeviation='2' result='a'/><feFlood/>"), one("feFlood")),
         (
-            format!(
-                "<pattern id='p' width='9' height='9' patternUnits='userSpaceOnUse'><rect width='4' height='4'/></pattern>
-                <rect width='30' height='30' fill='url(#p)'/>"
-            ),
+            "<pattern id='p' width='9' height='9' patternUnits='userSpaceOnUse'><rect width='4' height='4'/></pattern>
+                <rect width='30' height='30' fill='url(#p)'/>".to_string(),
             vec![("pattern", 1)],
         ),
         (format!("<image width='20' height='9' xlink:href='{image}'/>"), vec![("image", 1)]),

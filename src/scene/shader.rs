@@ -13,7 +13,7 @@ use std::sync::{Arc, OnceLock};
 /// A paint at a picture's scale.
 #[derive(Clone, Debug)]
 pub(crate) enum Shader<'a> {
-    Gradient(GradientShader<'a>),
+    Gradient(Box<GradientShader<'a>>),
     /// A layer, moved by whole pixels; does it hide all that lies behind it?
     Layer {
         layer: Arc<Layer>,
@@ -140,6 +140,8 @@ pub(crate) struct GradientShader<'a> {
     farthest: f64,
     /// Is it radial, and changes somewhere by so much a pixel that the bend of its circles shows?
     steep: bool,
+    /// Below it lie the circles of a radial gradient that are too small to be nearly straight in a pixel.
+    apex: f64,
     /// A radial gradient's quadratic coefficient, and its inverse.
     quadratic: (f64, f64),
     /// Made for the first region in which the colour map turns.
@@ -224,15 +226,17 @@ impl<'a> GradientShader<'a> {
             GradientShape::Radial { .. } => to_plane,
         };
         let [a, b, c, d, ..] = to_plane.as_coeffs();
-        let (farthest, quadratic) = match gradient.shape {
-            GradientShape::Linear(_) => (0.5 * (a.abs() + c.abs()), 0.0),
-            GradientShape::Radial { step: (dx, dy, dr), .. } => {
+        let (farthest, apex, quadratic) = match gradient.shape {
+            GradientShape::Linear(_) => (0.5 * (a.abs() + c.abs()), f64::NEG_INFINITY, 0.0),
+            GradientShape::Radial { start: (_, _, r0), step: (dx, dy, dr) } => {
                 // On a cone that holds its focal circle the parameter is nowhere steeper than where the
                 // circles lie closest.
                 let closest = dr - dx.hypot(dy);
                 let farthest =
                     if closest > 0.0 { 0.5 * (a.hypot(b) + c.hypot(d)) / closest } else { f64::INFINITY };
-                (farthest, dx * dx + dy * dy - dr * dr)
+                let smallest = 2.0 * a.hypot(b).max(c.hypot(d));
+                let apex = if dr > 0.0 { (smallest - r0) / dr } else { f64::NEG_INFINITY };
+                (farthest, apex, dx * dx + dy * dy - dr * dr)
             }
         };
         let quadratic = (quadratic, 1.0 / quadratic);
@@ -246,7 +250,8 @@ impl<'a> GradientShader<'a> {
         let steep =
             matches!(gradient.shape, GradientShape::Radial { .. }) && steepest * 2.0 * farthest > STEEP;
         let farthest = farthest * spot_scale;
-        GradientShader { gradient, to_plane, spot_scale, farthest, steep, quadratic, map: OnceLock::new() }
+        let map = OnceLock::new();
+        GradientShader { gradient, to_plane, spot_scale, farthest, steep, apex, quadratic, map }
     }
 
     /// Did the colour map turn within a pixel?
@@ -267,8 +272,9 @@ impl<'a> GradientShader<'a> {
             return Some(self.least());
         };
         let (stretch, reach) = (self.stretch(local.t), local.reach());
-        let is_even =
-            stretch.holds(local.t - reach, local.t + reach) && stretch.steepness() * 2.0 * reach <= EVEN;
+        let is_even = local.t >= self.apex
+            && stretch.holds(local.t - reach, local.t + reach)
+            && stretch.steepness() * 2.0 * reach <= EVEN;
         is_even.then(|| stretch.at(local.t))
     }
 
@@ -315,7 +321,7 @@ impl<'a> GradientShader<'a> {
             for (i, &t) in some.iter().enumerate() {
                 // Most pixels are far from where the map turns.
                 let i = first + i;
-                match stretch.holds(t - self.farthest, t + self.farthest) {
+                match t >= self.apex && stretch.holds(t - self.farthest, t + self.farthest) {
                     true => put(i, stretch.at(t)),
                     false => put(i, slowly(x + i, &mut stretch)),
                 }
@@ -347,12 +353,13 @@ impl<'a> GradientShader<'a> {
         let (from, to) = (local.t - reach, local.t + reach);
         if !stretch.holds(from, to) {
             *stretch = self.stretch(local.t);
-            if !stretch.holds(from, to) {
-                return self.square(Point::new(x, y), local, 1.0);
-            }
         }
-        if self.steep && self.bends(Point::new(x, y), local, 1.0, WITHIN) {
-            return self.square(Point::new(x, y), local, 1.0);
+        let at = Point::new(x, y);
+        if self.steep && self.bends(at, local, 1.0, WITHIN) {
+            return self.square(at, local, 1.0);
+        }
+        if !stretch.holds(from, to) || local.t < self.apex {
+            return self.mean(local, at, &CORNERS.map(|(dx, dy)| at + 0.5 * Vec2::new(dx, dy)));
         }
         stretch.at(local.t)
     }
@@ -402,7 +409,7 @@ impl<'a> GradientShader<'a> {
         let stretch = self.stretch(local.t);
         let parameters = corners.iter().map(|&p| parameter_at(local, centre, p));
         let (from, to) = parameters.fold((local.t, local.t), |(from, to), t| (t.min(from), t.max(to)));
-        match stretch.holds(from, to) {
+        match stretch.holds(from, to) && local.t >= self.apex {
             true => stretch.at(local.t),
             false => self.mean(local, centre, corners),
         }

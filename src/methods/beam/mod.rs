@@ -87,7 +87,8 @@ pub(super) fn paint(
     let shader = |paint| match paint {
         &Paint::Flat(_) => None,
         Paint::Gradient(gradient) => {
-            Some(Shader::Gradient(GradientShader::new(gradient, viewport.transform, settings.spot_scale)))
+            let shader = GradientShader::new(gradient, viewport.transform, settings.spot_scale);
+            Some(Shader::Gradient(Box::new(shader)))
         }
         Paint::Raster(_) | Paint::Layer(..) => unreachable!("refused above"),
     };
