@@ -12,11 +12,14 @@
 //!
 //! Promises: a finished pixel is never visited again, and no entry is kept behind an opaque solid run.
 
+mod groups;
+
 use crate::bitmap::{for_runs, word_masks, Bitmap};
 use crate::coverage::Part;
 use crate::edges::BAND_ROWS;
 use crate::pixel::resolve::NEGLIGIBLE;
-use crate::scene::paint::{Shader, Sheet};
+use crate::scene::paint::Sheet;
+use crate::scene::shader::Shader;
 use crate::zlist::{Entry, Head, Kind, NO_ENTRY};
 
 /// What a shape is painted with, at the picture's scale.
@@ -40,15 +43,6 @@ impl Brush<'_> {
         match self {
             Brush::Flat(sheet, _) => sheet.is_opaque(),
             Brush::Gradient { opaque, .. } => *opaque,
-        }
-    }
-
-    /// The colour at a pixel's centre.
-    #[inline]
-    fn at(&self, x: usize, y: u32) -> Sheet {
-        match self {
-            Brush::Flat(sheet, _) => *sheet,
-            Brush::Gradient { shader, .. } => shader.at(x as f64 + 0.5, f64::from(y) + 0.5),
         }
     }
 
@@ -203,10 +197,8 @@ impl Cel {
             let sheets = &mut self.sheets[start + a..start + b];
             match brush {
                 Brush::Flat(sheet, _) => sheets.fill(*sheet),
-                Brush::Gradient { .. } => {
-                    for (i, sheet) in sheets.iter_mut().enumerate() {
-                        *sheet = brush.at(first + a + i, y);
-                    }
+                Brush::Gradient { shader, .. } => {
+                    shader.row(first + a, y, sheets.len(), |i, sheet| sheets[i] = sheet);
                 }
             }
         });
@@ -234,10 +226,8 @@ impl Cel {
             };
             match brush {
                 Brush::Flat(behind, _) => sheets.iter_mut().for_each(|sheet| paint(sheet, *behind)),
-                Brush::Gradient { .. } => {
-                    for (i, sheet) in sheets.iter_mut().enumerate() {
-                        paint(sheet, brush.at(first + a + i, y));
-                    }
+                Brush::Gradient { shader, .. } => {
+                    shader.row(first + a, y, sheets.len(), |i, behind| paint(&mut sheets[i], behind));
                 }
             }
             if darkest < NEGLIGIBLE {
@@ -317,45 +307,6 @@ impl Cel {
         self.append(pixel, Entry { next: NO_ENTRY, part: P::WHOLE, kind }, entries);
     }
 
-    /// Puts a finished group behind all that was painted before.
-    pub fn take_group<P: Part>(&mut self, group: &Cel, top: u32, rows: usize, entries: &mut Vec<Entry<P>>) {
-        for row in 0..rows {
-            for word in 0..group.touched.row(row).len() {
-                let touched = group.touched.row(row)[word] & !self.finished.row(row)[word];
-                let listed = touched & group.listed.row(row)[word];
-                for_runs(touched & !listed, |a, b| {
-                    for x in word * 64 + a..word * 64 + b {
-                        let sheet = group.sheets[row * self.width + x].faded(group.opacity);
-                        self.solid(row, (x, x + 1), &Brush::flat(sheet), top, None, entries);
-                    }
-                });
-                for_runs(listed, |a, b| {
-                    for x in word * 64 + a..word * 64 + b {
-                        self.take_list(group, row, x, entries);
-                    }
-                });
-            }
-        }
-    }
-
-    fn take_list<P: Part>(&mut self, group: &Cel, row: usize, x: usize, entries: &mut Vec<Entry<P>>) {
-        let pixel = row * self.width + x;
-        if !self.listed.get(row, x) {
-            self.start_list(row, x);
-            self.lists[pixel] = (NO_ENTRY, NO_ENTRY);
-        }
-        let mark = |kind| Entry { next: NO_ENTRY, part: P::WHOLE, kind };
-        self.append(pixel, mark(Kind::GroupStart(group.opacity)), entries);
-        if group.sheets[pixel] != Sheet::CLEAR {
-            self.append(pixel, mark(Kind::Sheet(group.sheets[pixel])), entries);
-        }
-        let (first, last) = group.lists[pixel];
-        let mine = self.lists[pixel].1;
-        entries[mine as usize].next = first;
-        self.lists[pixel].1 = last;
-        self.append(pixel, mark(Kind::GroupEnd), entries);
-    }
-
     /// The state of 64 pixels of a row: finished in the picture, uniform, with a z-list.
     pub fn states(&self, row: usize, word: usize) -> (u64, u64, u64) {
         let touched = self.touched.row(row)[word];
@@ -384,10 +335,8 @@ fn paint_fresh(picture: &mut Rows, row: usize, width: usize, (word, fresh): (usi
         let pixels = &mut pixels[first + a..first + b];
         match brush {
             Brush::Flat(_, bytes) => pixels.fill(*bytes),
-            Brush::Gradient { .. } => {
-                for (i, pixel) in pixels.iter_mut().enumerate() {
-                    *pixel = brush.at(first + a + i, y).to_rgba8();
-                }
+            Brush::Gradient { shader, .. } => {
+                shader.row(first + a, y, pixels.len(), |i, sheet| pixels[i] = sheet.to_rgba8());
             }
         }
     });

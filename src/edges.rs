@@ -257,6 +257,11 @@ impl EdgeList {
         }
     }
 
+    /// Edges so far.
+    pub fn len(&self) -> usize {
+        self.edges.len()
+    }
+
     /// Sorts the edges into bands, and is empty again.
     pub fn take_banded(&mut self) -> BandedEdges {
         let banded = BandedEdges::sort(&self.edges, self.bounds());

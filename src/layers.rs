@@ -2,28 +2,30 @@
 //! layer of pixels for each group under a filter, a mask or a blend mode, each pattern and each image.
 //!
 //! A layer's content goes through the same renderer, at the picture's own pixels; the layer then is
-//! the paint of a shape like any other. A scene of flat paint makes nothing here.
+//! the paint of a shape like any other. A scene of flat paint makes nothing here. Methods that composite
+//! region by region are given masks and blend modes as groups ([`Scene::unfolded`]), and no layers for them.
 
-use crate::effects::blend::blend;
+use crate::effects::blend;
 use crate::effects::filter::region::{regions, Canvas};
 use crate::effects::filter::{self, Job};
-use crate::effects::highlights::Aliasing;
 use crate::effects::layer::{between, IntRect, Layer, Pixel, Space, CLEAR};
+use crate::effects::log::Log;
 use crate::effects::mask;
 use crate::outlines::Outlines;
-use crate::scene::paint::{Paint, Shader};
+use crate::scene::paint::Paint;
 use crate::scene::print::{self, Print};
 use crate::scene::raster::{Mask, Raster, RasterGroup, Source};
+use crate::scene::shader::{GradientShader, Shader};
 use crate::scene::{Clip, ClipMember, Geometry, Scene, Shape};
 use crate::tiles::{self, Plan};
 use crate::{texture, Error, Renderer, Settings, Viewport};
 use kurbo::{Affine, Point, Rect, Vec2};
-use std::cell::Cell;
+use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use std::sync::Arc;
 
 /// Pixels of all layers of one scene: 4 GB.
-const MOST_PIXELS: u64 = 1 << 28;
+pub(crate) const MOST_PIXELS: u64 = 1 << 28;
 
 /// Pixels of all layers of a picture, those within layers as well, however often they are made.
 const MOST_WORK: u64 = 1 << 30;
@@ -44,7 +46,13 @@ const MOST_KEPT: u64 = 1 << 25;
 
 /// Layers of the last picture, by what they were made from.
 #[derive(Default)]
-pub(crate) struct KeptLayers(Vec<(Print, Arc<Layer>)>);
+pub(crate) struct KeptLayers(Vec<KeptLayer>);
+
+struct KeptLayer {
+    print: Print,
+    layer: Arc<Layer>,
+    opaque: bool,
+}
 
 /// What is wanted of the layers where only some tiles are rendered.
 pub(crate) struct Wanted<'a> {
@@ -68,15 +76,28 @@ impl Wanted<'_> {
 }
 
 impl KeptLayers {
+    fn find(&self, print: Print) -> Option<Shader<'static>> {
+        let kept = self.0.iter().find(|kept| kept.print == print)?;
+        Some(Shader::Layer { layer: kept.layer.clone(), by: (0, 0), opaque: kept.opaque })
+    }
+
+    /// Keeps a shader's layer. One tile that repeats is made again.
+    fn keep(&mut self, print: Print, shader: Shader<'static>) -> Shader<'static> {
+        if let Shader::Layer { layer, opaque, .. } = &shader {
+            self.0.push(KeptLayer { print, layer: layer.clone(), opaque: *opaque });
+        }
+        shader
+    }
+
     /// Keeps the layers of a new picture, and as many of those before as there is room for.
     fn take(&mut self, new: KeptLayers) {
         let old = std::mem::replace(self, new);
-        let is_new = |print: Print| self.0.iter().any(|(other, _)| *other == print);
-        let mut old: Vec<_> = old.0.into_iter().filter(|(print, _)| !is_new(*print)).collect();
+        let is_new = |print: Print| self.0.iter().any(|kept| kept.print == print);
+        let mut old: Vec<_> = old.0.into_iter().filter(|kept| !is_new(kept.print)).collect();
         self.0.append(&mut old);
         let mut pixels = 0;
-        self.0.retain(|(_, layer)| {
-            pixels += layer.rect().area();
+        self.0.retain(|kept| {
+            pixels += kept.layer.rect().area();
             pixels <= MOST_KEPT
         });
     }
@@ -88,9 +109,9 @@ fn is_blend(paint: &Paint) -> bool {
     group.blend_mode != usvg::BlendMode::Normal
 }
 
-/// The shader of every shape that has one; empty for a scene of flat paint. And, where stages are timed,
-/// what aliases of the highlights of this scene's own filters. Where only some are `wanted`, the others have
-/// none, and layers that were made for the last picture are not made again.
+/// The shader of every shape, for a scene that calls for any ([`Scene::calls_for_effects`]); `log` is
+/// told what ran for them. Where only some are `wanted`, the others have none, and layers that were made for
+/// the last picture are not made again.
 ///
 /// # Errors
 /// [`Error::Limit`] when layers would hold too many pixels.
@@ -98,15 +119,11 @@ pub(crate) fn shaders<'a>(
     scene: &'a Scene,
     viewport: &Viewport,
     settings: &Settings,
-    work: Option<&Work>,
+    (log, work): (&Log, Option<&Work>),
     mut wanted: Option<Wanted>,
-) -> Result<(Vec<Option<Shader<'a>>>, Option<Aliasing>), Error> {
-    if scene.shapes.iter().all(|shape| matches!(shape.paint, Paint::Flat(_))) {
-        return Ok((Vec::new(), None));
-    }
-    let aliasing = Cell::new(settings.stage_times.then(Aliasing::default));
+) -> Result<Vec<Option<Shader<'a>>>, Error> {
     let mut artist =
-        Artist { scene, viewport, settings, pixels: 0, work: work.cloned().unwrap_or_default(), aliasing };
+        Artist { scene, viewport, settings, pixels: 0, work: work.cloned().unwrap_or_default(), log };
     let mut shaders = Vec::with_capacity(scene.shapes.len());
     let shapes = wanted.as_ref().map(|wanted| wanted.shapes(scene));
     let mut kept = KeptLayers::default();
@@ -114,30 +131,34 @@ pub(crate) fn shaders<'a>(
         let shader = match &shape.paint {
             Paint::Flat(_) => None,
             _ if shapes.as_ref().is_some_and(|wanted| !wanted[number]) => None,
-            Paint::Gradient(gradient) => Some(Shader::Gradient(gradient.shader(viewport.transform))),
-            Paint::Layer(layer, by) => Some(Shader::Layer(layer.clone(), *by)),
-            Paint::Raster(raster) => {
-                let made = wanted.as_ref().filter(|_| !is_blend(&shape.paint)).map(|wanted| {
-                    let print = artist.print(raster, shape);
-                    (print, wanted.kept.0.iter().find(|(other, _)| *other == print).map(|(_, l)| l.clone()))
-                });
-                let layer = match &made {
-                    Some((_, Some(layer))) => layer.clone(),
-                    _ => Arc::new(artist.layer(raster, shape, &shaders)?),
-                };
-                if let Some((print, _)) = made {
-                    kept.0.push((print, layer.clone()));
-                }
-                Some(Shader::Layer(layer, (0, 0)))
+            Paint::Gradient(gradient) => {
+                let shader = GradientShader::new(gradient, viewport.transform, settings.spot_scale);
+                Some(Shader::Gradient(Box::new(shader)))
             }
+            Paint::Layer(layer, by) => {
+                Some(Shader::Layer { layer: layer.clone(), by: *by, opaque: layer.is_opaque() })
+            }
+            Paint::Raster(raster) => Some(match &wanted {
+                Some(wanted) if !is_blend(&shape.paint) => {
+                    let print = artist.print(raster, shape);
+                    match wanted.kept.find(print) {
+                        Some(shader) => kept.keep(print, shader),
+                        None => kept.keep(print, artist.raster(raster, shape, &shaders)?),
+                    }
+                }
+                _ => artist.raster(raster, shape, &shaders)?,
+            }),
         };
         shaders.push(shader);
     }
     if let Some(wanted) = &mut wanted {
         wanted.kept.take(kept);
     }
-    Ok((shaders, artist.aliasing.get()))
+    Ok(shaders)
 }
+
+/// What the drawing of a group's content is called where effects are timed.
+const CONTENT: &str = "layer content";
 
 /// Makes the layers of one scene.
 struct Artist<'a> {
@@ -147,20 +168,34 @@ struct Artist<'a> {
     /// Pixels of the layers so far.
     pixels: u64,
     work: Work,
-    aliasing: Cell<Option<Aliasing>>,
+    log: &'a Log,
 }
 
 impl Artist<'_> {
-    /// The layer of one shape; `before` has the shaders of those below it.
-    fn layer(&mut self, raster: &Raster, shape: &Shape, before: &[Option<Shader>]) -> Result<Layer, Error> {
-        let to_pixels = self.viewport.transform * raster.transform;
-        let picture = IntRect::new(0, 0, self.viewport.width, self.viewport.height);
-        let bounds = match raster.source {
-            Source::Group(_) | Source::Image { .. } => to_pixels.transform_rect_bbox(raster.bounds),
-            // A pattern is seen as far as its shape goes.
-            Source::Tiles(..) => crate::outlines::bounds_in_pixels(&shape.geometry, self.viewport),
+    /// The shader of one shape; `before` has those of the shapes below it.
+    fn raster(
+        &mut self,
+        raster: &Raster,
+        shape: &Shape,
+        before: &[Option<Shader>],
+    ) -> Result<Shader<'static>, Error> {
+        let (to_pixels, rect) = place_of(raster, shape, self.viewport);
+        let faded = |mut layer: Layer| {
+            if raster.opacity < 1.0 {
+                layer.pixels_mut().iter_mut().flatten().for_each(|v| *v *= raster.opacity);
+            }
+            layer
         };
-        let rect = IntRect::around(bounds).intersect(picture);
+        if let Source::Tiles(tile, place) = &raster.source {
+            if let Some(period) = period(to_pixels, *place, rect) {
+                if let Some(plane) = plane_of(tile, *place, to_pixels, period) {
+                    let drawn = self.log.run("pattern", || self.draw(&plane, to_pixels, period))?;
+                    let layer = faded(drawn);
+                    let opaque = layer.is_opaque();
+                    return Ok(Shader::Tile { layer, opaque });
+                }
+            }
+        }
         self.pixels += rect.area();
         if self.pixels > MOST_PIXELS {
             return Err(Error::Limit(format!(
@@ -175,20 +210,24 @@ impl Artist<'_> {
         }
         let mut layer = match &raster.source {
             Source::Group(group) => self.group(group, to_pixels, rect)?,
-            Source::Image { pixels, nearest } => texture::drawn(pixels, to_pixels, rect, *nearest),
-            Source::Tiles(tile, place) => self.tiles((tile, *place), to_pixels, rect)?,
+            Source::Image { pixels, nearest } => self.log.run("image", || match whole_move(to_pixels) {
+                Some((dx, dy)) => pixels.moved_over_rect(dx, dy, rect),
+                None => texture::drawn(pixels, to_pixels, rect, *nearest),
+            }),
+            Source::Tiles(tile, place) => {
+                self.log.run("pattern", || self.tiles((tile, *place), to_pixels, rect))?
+            }
         };
         if let Source::Group(group) = &raster.source {
             let blend_mode = group.blend_mode;
             if blend_mode != usvg::BlendMode::Normal {
-                self.blend(blend_mode, &mut layer, before)?;
+                self.log.run("mix-blend-mode", || self.blend(blend_mode, &mut layer, before))?;
             }
         }
-        if raster.opacity < 1.0 {
-            let opacity = raster.opacity;
-            layer.pixels_mut().iter_mut().flatten().for_each(|v| *v *= opacity);
-        }
-        Ok(layer)
+        let layer = faded(layer);
+        // Only what is opaque in its source has a chance to be so here.
+        let opaque = !matches!(raster.source, Source::Group(_)) && layer.is_opaque();
+        Ok(Shader::Layer { layer: Arc::new(layer), by: (0, 0), opaque })
     }
 
     /// Of all that a layer is made from, if it does not blend.
@@ -201,29 +240,28 @@ impl Artist<'_> {
         print
     }
 
-    /// Draws a scene over a rectangle of pixels.
+    /// Draws a scene over a rectangle of pixels. The time is that of the effect which asks for it.
     fn draw(&self, scene: &Scene, to_pixels: Affine, rect: IntRect) -> Result<Layer, Error> {
         if rect.is_empty() || scene.shapes.is_empty() {
             return Ok(Layer::clear(rect, Space::Srgb));
         }
-        let corner = Vec2::new(f64::from(rect.x()), f64::from(rect.y()));
-        let viewport = Viewport {
-            width: rect.width() as u32,
-            height: rect.height() as u32,
-            transform: Affine::translate(-corner) * to_pixels,
-        };
-        let settings = Settings { background: None, threads: 1, stage_times: false, ..self.settings.clone() };
-        let picture = Renderer::for_layer(settings, self.work.clone())?.render(scene, &viewport)?;
+        let viewport = over(rect, to_pixels);
+        let settings = Settings { background: None, threads: 1, ..self.settings.clone() };
+        let mut renderer = Renderer::for_layer(settings, self.work.clone())?;
+        let picture = renderer.render(scene, &viewport)?;
+        self.log.absorb(&renderer.stages().effects, &renderer.stages().lit);
         Ok(Layer::from_rgba8(rect, picture.data()))
     }
 
     fn group(&self, group: &RasterGroup, to_pixels: Affine, rect: IntRect) -> Result<Layer, Error> {
         let mut layer = match group.filters.is_empty() {
-            true => self.draw(&group.content, to_pixels, rect)?,
+            true => self.log.run(CONTENT, || self.draw(&group.content, to_pixels, rect))?,
             false => self.filtered(group, to_pixels, rect)?,
         };
         if let Some(mask) = &group.mask {
-            self.mask(mask, to_pixels, layer.rect())?.apply(&mut layer);
+            self.log.run("mask", || {
+                self.mask(mask, to_pixels, layer.rect()).map(|mask| mask.apply(&mut layer))
+            })?;
         }
         Ok(layer)
     }
@@ -234,18 +272,19 @@ impl Artist<'_> {
         };
         let regions = regions(&group.filters, canvas.to_canvas, canvas.rect_of(rect));
         filter::affordable(&group.filters, &regions)?;
-        let source = self.draw(&group.content, canvas.to_canvas, regions[0])?;
+        let source = self.log.run(CONTENT, || self.draw(&group.content, canvas.to_canvas, regions[0]))?;
         let mut draw = |content: &usvg::Group, to_pixels: Affine, rect: IntRect| {
             self.draw(&Scene::from_group(content)?, to_pixels, rect)
         };
         let mut job = Job {
             to_canvas: canvas.to_canvas,
             highlights: self.settings.highlights,
-            aliasing: self.aliasing.get(),
+            without_front: group.without_front,
+            index_aa: self.settings.index_aa,
+            log: self.log,
             draw: &mut draw,
         };
         let layer = filter::apply(&group.filters, &regions, source, &mut job)?;
-        self.aliasing.set(job.aliasing);
         Ok(canvas.shown(layer, rect))
     }
 
@@ -272,22 +311,19 @@ impl Artist<'_> {
         let rect = layer.rect();
         let mut below = self.scene.with_shapes(self.scene.shapes[..before.len()].to_vec());
         for (shape, shader) in below.shapes.iter_mut().zip(before) {
-            if let Some(Shader::Layer(made, (dx, dy))) = shader {
-                shape.paint = Paint::Layer(made.clone(), (dx - rect.x(), dy - rect.y()));
+            if let Some(Shader::Layer { layer, by: (dx, dy), .. }) = shader {
+                shape.paint = Paint::Layer(layer.clone(), (dx - rect.x(), dy - rect.y()));
             }
         }
         let mut backdrop = self.draw(&below, self.viewport.transform, rect)?;
         if let Some([r, g, b, a]) = self.settings.background {
             let behind = Layer::from_rgba8(IntRect::new(0, 0, 1, 1), &[r, g, b, a]).pixel(0, 0);
             for pixel in backdrop.pixels_mut() {
-                *pixel = crate::effects::blend::over(*pixel, behind);
+                *pixel = blend::over(*pixel, behind);
             }
         }
         for (source, &behind) in layer.pixels_mut().iter_mut().zip(backdrop.pixels()) {
-            let alpha = source[3];
-            let blended = blend(mode, *source, behind);
-            let own = |i: usize| (blended[i] - (1.0 - alpha) * behind[i]).clamp(0.0, alpha);
-            *source = [own(0), own(1), own(2), alpha];
+            *source = blend::own_color(mode, *source, behind);
         }
         Ok(())
     }
@@ -296,28 +332,10 @@ impl Artist<'_> {
         if to_pixels.determinant() == 0.0 || !to_pixels.is_finite() || rect.is_empty() {
             return Ok(Layer::clear(rect, Space::Srgb));
         }
-        // The tiles that are seen, by column and row.
-        let seen = to_pixels.inverse().transform_rect_bbox(rect.to_rect());
-        let columns =
-            ((seen.x0 - place.x0) / place.width()).floor()..((seen.x1 - place.x0) / place.width()).ceil();
-        let rows =
-            ((seen.y0 - place.y0) / place.height()).floor()..((seen.y1 - place.y0) / place.height()).ceil();
-        let count = (columns.end - columns.start) * (rows.end - rows.start);
-        let shapes = (tile.shapes.len() as f64).max(1.0);
-        // What lies within a tile's layers is made once, not once for each tile.
-        let is_deep = tile.raster_depth() > 1;
-        if count <= MOST_TILES && count * shapes <= MOST_TILED_SHAPES && !is_deep {
-            let mut plane = tile.with_shapes(Vec::new());
-            plane.clips.clear();
-            for row in rows.start as i64..rows.end as i64 {
-                for column in columns.start as i64..columns.end as i64 {
-                    let by = Vec2::new(column as f64 * place.width(), row as f64 * place.height());
-                    add_tile(&mut plane, tile, place, by);
-                }
-            }
-            return self.draw(&plane, to_pixels, rect);
+        match plane_of(tile, place, to_pixels, rect) {
+            Some(plane) => self.draw(&plane, to_pixels, rect),
+            None => self.copied((tile, place), to_pixels, rect),
         }
-        self.copied((tile, place), to_pixels, rect)
     }
 
     /// Copies of one tile's pixels, or its mean colour where it is smaller than a pixel.
@@ -327,9 +345,7 @@ impl Artist<'_> {
         to_pixels: Affine,
         rect: IntRect,
     ) -> Result<Layer, Error> {
-        let [a, b, c, d, ..] = to_pixels.as_coeffs();
-        let side = |scale: f64, length: f64| (scale * length).ceil().clamp(1.0, LARGEST_TILE);
-        let (width, height) = (side(a.hypot(b), place.width()), side(c.hypot(d), place.height()));
+        let (width, height) = copied_size(place, to_pixels);
         let to_tile = Affine::scale_non_uniform(width / place.width(), height / place.height())
             * Affine::translate(-place.origin().to_vec2());
         let pixels = self.draw(tile, to_tile, IntRect::new(0, 0, width as u32, height as u32))?;
@@ -346,6 +362,103 @@ impl Artist<'_> {
         }
         Ok(layer)
     }
+}
+
+/// The move of a transform that moves by whole pixels and does nothing else.
+fn whole_move(transform: Affine) -> Option<(i32, i32)> {
+    let [a, b, c, d, e, f] = transform.as_coeffs();
+    let is_whole = [a, b, c, d] == [1.0, 0.0, 0.0, 1.0] && e.fract() == 0.0 && f.fract() == 0.0;
+    (is_whole && e.abs().max(f.abs()) < 1e8).then_some((e as i32, f as i32))
+}
+
+/// The pixels at the corner of `rect` after which a pattern repeats in whole pixels, as far as can be seen
+/// in the rectangle; `None` where it does not, or not within it.
+pub(crate) fn period(to_pixels: Affine, place: Rect, rect: IntRect) -> Option<IntRect> {
+    /// A quarter of an 8-bit level, at an edge.
+    const MOST_DRIFT: f64 = 1.0 / 1024.0;
+    const MOST_TILES_A_SIDE: u32 = 24;
+    let [a, b, c, d, ..] = to_pixels.as_coeffs();
+    if b != 0.0 || c != 0.0 || rect.is_empty() {
+        return None;
+    }
+    let side = |tile: f64, seen: usize| {
+        let seen = seen as f64;
+        let lengths = (1..=MOST_TILES_A_SIDE).map(|count| f64::from(count) * tile);
+        let repeats = |length: &f64| {
+            let off = (length - length.round()).abs();
+            length.round() >= 1.0 && *length <= seen && off * (seen / length) < MOST_DRIFT
+        };
+        lengths.into_iter().find(repeats).map(|length| length.round() as u32)
+    };
+    let width = side(a.abs() * place.width(), rect.width())?;
+    let height = side(d.abs() * place.height(), rect.height())?;
+    Some(IntRect::new(rect.x(), rect.y(), width, height))
+}
+
+/// The viewport that shows a rectangle of pixels.
+pub(crate) fn over(rect: IntRect, to_pixels: Affine) -> Viewport {
+    let corner = Vec2::new(f64::from(rect.x()), f64::from(rect.y()));
+    Viewport {
+        width: rect.width() as u32,
+        height: rect.height() as u32,
+        transform: Affine::translate(-corner) * to_pixels,
+    }
+}
+
+/// From a raster's coordinates to pixels, and the pixels that its layer lies over.
+pub(crate) fn place_of(raster: &Raster, shape: &Shape, viewport: &Viewport) -> (Affine, IntRect) {
+    let to_pixels = viewport.transform * raster.transform;
+    let picture = IntRect::new(0, 0, viewport.width, viewport.height);
+    let bounds = match raster.source {
+        Source::Group(_) | Source::Image { .. } => to_pixels.transform_rect_bbox(raster.bounds),
+        // A pattern is seen as far as its shape goes.
+        Source::Tiles(..) => crate::outlines::bounds_in_pixels(&shape.geometry, viewport),
+    };
+    (to_pixels, IntRect::around(bounds).intersect(picture))
+}
+
+/// Columns and rows of the tiles that are seen, if there are few enough to be drawn one by one.
+pub(crate) fn tiles_to_draw(
+    (tile, place): (&Scene, Rect),
+    to_pixels: Affine,
+    rect: IntRect,
+) -> Option<(Range<f64>, Range<f64>)> {
+    if to_pixels.determinant() == 0.0 || !to_pixels.is_finite() {
+        return None;
+    }
+    let seen = to_pixels.inverse().transform_rect_bbox(rect.to_rect());
+    let columns =
+        ((seen.x0 - place.x0) / place.width()).floor()..((seen.x1 - place.x0) / place.width()).ceil();
+    let rows =
+        ((seen.y0 - place.y0) / place.height()).floor()..((seen.y1 - place.y0) / place.height()).ceil();
+    let count = (columns.end - columns.start) * (rows.end - rows.start);
+    let shapes = (tile.shapes.len() as f64).max(1.0);
+    // What lies within a tile's layers is made once, not once for each tile. Written so that no number
+    // fails it.
+    let is_affordable =
+        count <= MOST_TILES && count * shapes <= MOST_TILED_SHAPES && tile.raster_depth() <= 1;
+    is_affordable.then_some((columns, rows))
+}
+
+/// The tiles that are seen in a rectangle, one by one; `None` where they are too many.
+fn plane_of(tile: &Scene, place: Rect, to_pixels: Affine, rect: IntRect) -> Option<Scene> {
+    let (columns, rows) = tiles_to_draw((tile, place), to_pixels, rect)?;
+    let mut plane = tile.with_shapes(Vec::new());
+    plane.clips.clear();
+    for row in rows.start as i64..rows.end as i64 {
+        for column in columns.start as i64..columns.end as i64 {
+            let by = Vec2::new(column as f64 * place.width(), row as f64 * place.height());
+            add_tile(&mut plane, tile, place, by);
+        }
+    }
+    Some(plane)
+}
+
+/// Width and height in pixels of a tile that is copied.
+pub(crate) fn copied_size(place: Rect, to_pixels: Affine) -> (f64, f64) {
+    let [a, b, c, d, ..] = to_pixels.as_coeffs();
+    let side = |scale: f64, length: f64| (scale * length).ceil().clamp(1.0, LARGEST_TILE);
+    (side(a.hypot(b), place.width()), side(c.hypot(d), place.height()))
 }
 
 /// Bilinear between the pixels of a tile that repeats.

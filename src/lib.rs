@@ -7,7 +7,8 @@
 //! | [`scene`] | SVG bytes → [`Scene`]: depth-ordered shapes, their paint, clips and groups |
 //! | [`render`] | [`Scene`] + [`Viewport`] + [`Settings`] → pixel rows; the only file that knows the order of the stages |
 //! | [`methods`] | which way of anti-aliasing → who paints |
-//! | `layers` | filters, masks, blend modes, patterns, images → layers of pixels that shapes are painted with; their content goes through [`render`] again |
+//! | `layers` | filters, patterns, images, and for some methods masks and blend modes → layers of pixels that shapes are painted with; their content goes through [`render`] again |
+//! | [`plan`] | scene + viewport → what will run for it and what that costs, without running it |
 //! | `effects` | layers of pixels → filtered, blended, masked ones |
 //! | `texture` | an image at a scale → a layer |
 //! | `outlines` | scene + viewport → outlines with bounds, sorted into bands; flattened when first needed |
@@ -61,6 +62,8 @@ pub mod methods;
 
 mod layers;
 
+pub mod plan;
+
 mod effects;
 
 mod texture;
@@ -106,11 +109,13 @@ pub mod compare;
 mod bitmap;
 
 pub use effects::highlights::Highlights;
+pub use effects::log::{EffectRuns, LitSurface};
 pub use error::Error;
 pub use methods::Method;
 pub use pixmap::Pixmap;
+pub use plan::Plan;
 pub use render::{Renderer, Settings, Stages, Viewport};
-pub use scene::{FontSource, Limits, Options, Scene, Warning};
+pub use scene::{Census, FontSource, Limits, Options, Scene, Warning};
 
 /// The geometry types of the public interface ([`kurbo::Affine`] and friends).
 pub use kurbo;

@@ -10,6 +10,7 @@ fn main() -> ExitCode {
     match cli::args::job(std::env::args_os()) {
         Ok(cli::Job::Render(job)) => cli::render::run(job),
         Ok(cli::Job::Compare(job)) => cli::compare::run(*job),
+        Ok(cli::Job::Explain(job)) => cli::explain::run(*job),
         Ok(cli::Job::Frames(job)) => cli::frames::run(*job),
         Ok(cli::Job::Query(job)) => cli::query::run(job),
         Ok(cli::Job::ListFonts(fonts)) => cli::fonts::list(&fonts),

@@ -54,9 +54,14 @@ impl<'a> PlacedOutline<'a> {
 
 /// The bounds of the control points, and of all that a stroke may add around them, in pixels.
 pub(crate) fn bounds_in_pixels(geometry: &Geometry, viewport: &Viewport) -> Rect {
+    bounds_under(geometry, viewport.transform).inflate(1.0, 1.0)
+}
+
+/// The same where a transform from the scene's user units leads to, without a margin.
+pub(crate) fn bounds_under(geometry: &Geometry, transform: Affine) -> Rect {
     let b = geometry.path.bounds();
     let own = Rect::new(b.left().into(), b.top().into(), b.right().into(), b.bottom().into());
-    let transform = viewport.transform * geometry.transform;
+    let transform = transform * geometry.transform;
     let reach = match &geometry.outline {
         Outline::Fill(_) | Outline::Pixels => 0.0,
         Outline::Stroke(stroke) => {
@@ -65,7 +70,7 @@ pub(crate) fn bounds_in_pixels(geometry: &Geometry, viewport: &Viewport) -> Rect
             0.5 * stroke.width * miter.hypot(1.0) * largest_scale(transform)
         }
     };
-    transform.transform_rect_bbox(own).inflate(reach + 1.0, reach + 1.0)
+    transform.transform_rect_bbox(own).inflate(reach, reach)
 }
 
 /// The pixels of the picture in those bounds.

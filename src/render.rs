@@ -14,11 +14,14 @@ use crate::band::{band_count, Laps, Picture};
 use crate::cel::Rows;
 use crate::edges::{BAND_ROWS, LARGEST_SIDE};
 use crate::effects::highlights::Highlights;
+use crate::effects::log::{EffectRuns, LitSurface, Log};
 use crate::layers::{self, KeptLayers, Wanted};
 use crate::methods::{painter, BandPainter, Method, Painter, PicturePainter};
 use crate::outlines::{BandLists, Outlines};
 use crate::pixel::resolve::Surroundings;
 use crate::scene::paint::Sheet;
+use crate::scene::shader::Shader;
+use crate::scene::Role;
 use crate::tiles::Plan;
 use crate::{Error, Pixmap, Scene};
 use rayon::prelude::*;
@@ -43,6 +46,12 @@ pub struct Settings {
     pub most_work: u32,
     /// What is done about specular highlights (feSpecularLighting) that alias.
     pub highlights: Highlights,
+    /// Component-transfer tables over noise (feComponentTransfer of feTurbulence) are averaged over each
+    /// pixel by Worley's index anti-aliasing, where SVG's algorithm looks at one point.
+    pub index_aa: bool,
+    /// Width in pixels of the spot over which gradients are averaged where their colour map turns within
+    /// it, 0 ..= 16; at 0 they are sampled at a point. The least error is at 1.
+    pub spot_scale: f64,
     /// Threads to use; 0 for one a core. The bytes do not depend on it.
     pub threads: usize,
     /// Take the time of each stage for [`Renderer::stages`]. Without it no clock is read in a band.
@@ -58,6 +67,8 @@ impl Default for Settings {
             background: None,
             most_work: Settings::DEFAULT_MOST_WORK,
             highlights: Highlights::AsIs,
+            index_aa: false,
+            spot_scale: 1.0,
             threads: 0,
             stage_times: false,
         }
@@ -69,6 +80,14 @@ impl Settings {
     pub const DEFAULT_TOLERANCE: f64 = 0.01;
     /// A hundredth of a second or so for a pixel.
     pub const DEFAULT_MOST_WORK: u32 = 30_000;
+
+    /// Threads that [`Settings::threads`] comes to.
+    pub fn thread_count(&self) -> usize {
+        match self.threads {
+            0 => std::thread::available_parallelism().map_or(1, usize::from),
+            threads => threads,
+        }
+    }
 
     /// The defaults of a method: curves are flattened only as finely as it can show.
     pub fn of(method: Method) -> Settings {
@@ -105,6 +124,16 @@ pub struct Stages {
     pub times: Vec<(&'static str, Duration)>,
     /// Counter name and value: pixels by class, nodes of the recursion, fallbacks.
     pub counts: Vec<(&'static str, u64)>,
+    /// What ran beyond flat shapes, clips and groups, those within layers too; empty for a scene that
+    /// calls for no effect.
+    pub effects: Vec<EffectRuns>,
+    /// What aliases of each specular highlight, where [`Settings::stage_times`] asks.
+    pub lit: Vec<LitSurface>,
+}
+
+/// Rows that are made before they are handed on: of four bands for each thread.
+pub(crate) fn rows_at_once(threads: usize) -> u32 {
+    4 * threads as u32 * BAND_ROWS
 }
 
 /// Renders scenes; keeps its buffers and threads from one picture to the next.
@@ -134,11 +163,14 @@ impl Renderer {
                 settings.tolerance
             )));
         }
+        if !(0.0..=16.0).contains(&settings.spot_scale) {
+            return Err(Error::Setting(format!(
+                "a spot of {} pixels is not within 0 and 16",
+                settings.spot_scale
+            )));
+        }
         painter(settings.method, 1, 1)?;
-        let threads = match settings.threads {
-            0 => std::thread::available_parallelism().map_or(1, usize::from),
-            threads => threads,
-        };
+        let threads = settings.thread_count();
         let pool = match threads {
             1 => None,
             _ => Some(
@@ -203,7 +235,7 @@ impl Renderer {
         self.prepare(
             scene,
             viewport,
-            |_, _| None,
+            |_, _, _| None,
             |renderer, picture, _| {
                 renderer.bands(picture, height, 0..bands, buffer, stride);
                 Ok(())
@@ -229,14 +261,15 @@ impl Renderer {
             return sink(self.render(scene, viewport)?.data());
         }
         let stride = width as usize * Pixmap::BYTES_PER_PIXEL;
-        let at_once = 4 * self.pool.as_ref().map_or(1, rayon::ThreadPool::current_num_threads);
+        let rows = rows_at_once(self.pool.as_ref().map_or(1, rayon::ThreadPool::current_num_threads));
+        let at_once = (rows / BAND_ROWS) as usize;
         let bands = band_count(height);
-        let mut buffer = vec![0; stride * (at_once * BAND_ROWS as usize).min(height as usize)];
+        let mut buffer = vec![0; stride * rows.min(height) as usize];
         let mut first = 0;
         self.prepare(
             scene,
             viewport,
-            |_, _| None,
+            |_, _, _| None,
             |renderer, picture, more| {
                 let last = (first + at_once).min(bands);
                 let rows = (last * BAND_ROWS as usize).min(height as usize) - first * BAND_ROWS as usize;
@@ -279,7 +312,7 @@ impl Renderer {
             Some(pool) => pool.install(paint)?,
             None => paint()?,
         }
-        self.stages = Stages { times: vec![("picture", start.elapsed())], counts: Vec::new() };
+        self.stages = Stages { times: vec![("picture", start.elapsed())], ..Stages::default() };
         Ok(())
     }
 
@@ -289,17 +322,22 @@ impl Renderer {
         &mut self,
         scene: &Scene,
         viewport: &Viewport,
-        plan: impl FnOnce(&Outlines, &BandLists) -> Option<Plan>,
+        plan: impl FnOnce(&Scene, &Outlines, &BandLists) -> Option<Plan>,
         mut part: impl FnMut(&Renderer, &Picture, &mut Option<usize>) -> Result<(), Error>,
     ) -> Result<Option<Plan>, Error> {
         let start = Instant::now();
         self.resize(viewport);
+        let unfolded = self.settings.method.composites_regions().then(|| scene.unfolded()).flatten();
+        let scene = unfolded.as_ref().unwrap_or(scene);
         let mut outlines = Outlines::new(scene, viewport, self.settings.method.is_jagged());
         let bands = BandLists::new(&outlines.shapes, viewport.height);
-        let plan = plan(&outlines, &bands);
+        let plan = plan(scene, &outlines, &bands);
         let wanted = plan.as_ref().map(|plan| Wanted { plan, outlines: &outlines, kept: &mut self.layers });
-        let (shaders, aliasing) =
-            layers::shaders(scene, viewport, &self.settings, self.work.as_ref(), wanted)?;
+        let log = scene.calls_for_effects().then(|| Log::new(self.settings.stage_times));
+        let shaders = match &log {
+            Some(log) => layers::shaders(scene, viewport, &self.settings, (log, self.work.as_ref()), wanted)?,
+            None => Vec::new(),
+        };
         let background = self.settings.background.map_or(Sheet::CLEAR, |[r, g, b, a]| {
             Sheet::new([r, g, b].map(|c| f32::from(c) / 255.0), f32::from(a) / 255.0)
         });
@@ -330,12 +368,10 @@ impl Renderer {
             false => self.stages.times.extend(laps),
         }
         self.stages.counts = self.take_counts();
-        if let Some(aliasing) = aliasing.filter(|aliasing| aliasing.pixels > 0) {
-            let cure = aliasing.sampling_rate.ceil() as u64;
-            let found =
-                [("highlight_pixels_aliasing", aliasing.pixels as u64), ("highlight_samples_a_side", cure)];
-            self.stages.counts.extend(found);
-        }
+        (self.stages.effects, self.stages.lit) = match log {
+            Some(log) => effects_of(scene, &shaders, log),
+            None => (Vec::new(), Vec::new()),
+        };
         Ok(plan)
     }
 
@@ -418,6 +454,20 @@ impl Renderer {
         }
         sums
     }
+}
+
+/// What has run besides flat shapes, clips and groups.
+fn effects_of(scene: &Scene, shaders: &[Option<Shader>], log: Log) -> (Vec<EffectRuns>, Vec<LitSurface>) {
+    let gradients = || shaders.iter().flatten().filter_map(Shader::as_gradient);
+    let in_groups = |is: fn(Role) -> bool| scene.groups.iter().filter(|group| is(group.role)).count();
+    let masks = in_groups(|role| matches!(role, Role::Mask(_)));
+    let blends = in_groups(|role| matches!(role, Role::Blend(_)));
+    log.count("mask", masks as u64);
+    log.count("mix-blend-mode", blends as u64);
+    log.count("gradient", gradients().count() as u64);
+    log.count("colour map", gradients().filter(|gradient| gradient.has_table()).count() as u64);
+    let entries = log.into_entries();
+    (entries.effects, entries.lit)
 }
 
 /// A painter that goes back to the idle ones when dropped.

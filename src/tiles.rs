@@ -9,7 +9,7 @@
 use crate::edges::{Bounds, BAND_ROWS};
 use crate::outlines::{BandLists, Outlines};
 use crate::scene::print::{self, Print};
-use crate::scene::{GroupId, Scene};
+use crate::scene::{Group, GroupId, Role, Scene};
 use crate::{Settings, Viewport};
 use std::borrow::Cow;
 
@@ -64,10 +64,13 @@ pub(crate) fn prints(
 pub(crate) fn of_setup(viewport: &Viewport, settings: &Settings) -> Print {
     let Viewport { width, height, transform } = viewport;
     // The threads do not matter, nor do the times.
-    let Settings { method, tolerance, linear, background, most_work, highlights, .. } = settings;
+    let Settings {
+        method, tolerance, linear, background, most_work, highlights, index_aa, spot_scale, ..
+    } = settings;
     let transform = transform.as_coeffs().map(f64::to_bits);
     let look = (method, tolerance.to_bits(), linear, background, most_work, highlights);
-    print::of_bytes(format!("{width} {height} {transform:?} {look:?}").as_bytes())
+    let spots = (index_aa, spot_scale.to_bits());
+    print::of_bytes(format!("{width} {height} {transform:?} {look:?} {spots:?}").as_bytes())
 }
 
 /// The groups of a scene: which of them are around which.
@@ -89,8 +92,16 @@ impl Groups<'_> {
         let (from, to) = (&self.paths[from as usize], &self.paths[to as usize]);
         let common = from.iter().zip(to).take_while(|(a, b)| a == b).count();
         tile.add((common as u64) << 32 | to.len() as u64);
-        for &group in &to[common..] {
-            tile.add(u64::from(self.scene.groups[group as usize].opacity.to_bits()));
+        for (depth, &group) in to.iter().enumerate().skip(common) {
+            let Group { opacity, role, .. } = &self.scene.groups[group as usize];
+            let role = match *role {
+                Role::Paint => 0,
+                Role::Blend(mode) => 0x100 | mode as u64,
+                Role::Mask(kind) => 0x200 | kind as u64,
+                // Is its mask what the tile saw last, or is there nothing of that here?
+                Role::Masked(mask) => 0x300 | u64::from(from.get(depth) == Some(&mask)),
+            };
+            tile.add(u64::from(opacity.to_bits()) | role << 32);
         }
     }
 }

@@ -5,7 +5,8 @@
 
 use crate::coverage::Part;
 use crate::pixel::fragment::{Fragment, PIXEL_AREA};
-use crate::pixel::resolve::{Mean, Node, Resolver, Surroundings};
+use crate::pixel::paint_tree::Composite;
+use crate::pixel::resolve::{Item, Mean, Node, Resolver, Surroundings};
 use crate::scene::paint::Sheet;
 use crate::strips::{Piece, NO_PIECE};
 
@@ -34,8 +35,10 @@ pub(crate) enum Kind {
     Sheet(Sheet),
     /// A shape's number.
     Gradient(u32),
-    /// What follows, up to the matching end, composites as one and then fades by this opacity.
-    GroupStart(f32),
+    /// What follows, up to the matching end, composites as one.
+    GroupStart(Composite),
+    /// Between a mask and what it masks.
+    GroupMiddle,
     GroupEnd,
 }
 
@@ -183,8 +186,9 @@ impl ZLists<'_> {
             match entry.kind {
                 Kind::Sheet(sheet) => resolver.push_sheet(sheet, node, self),
                 Kind::Gradient(shape) => resolver.push_gradient(shape, node, self),
-                Kind::GroupStart(opacity) => resolver.start_group(opacity),
-                Kind::GroupEnd => resolver.end_group(),
+                Kind::GroupStart(composite) => resolver.push(Item::GroupStart(composite)),
+                Kind::GroupMiddle => resolver.push(Item::GroupMiddle),
+                Kind::GroupEnd => resolver.push(Item::GroupEnd),
             }
             next = entry.next;
         }

@@ -255,7 +255,9 @@ fn wrong_command_lines_end_with_2_and_one_line() {
         (&["-", "-", "-o", "made/"], "only once"),
         (&["--query-all", "in.svg", "out.png"], "one input"),
         (&["compare"], "required arguments"),
-        (&["explain", "in.svg"], "not available yet"),
+        (&["explain"], "required arguments"),
+        (&["explain", "-", "-"], "only once"),
+        (&["explain", "--linear", "--aa", "tiny-skia", "in.svg"], "linear light"),
     ];
     for (arguments, message) in cases {
         assert_fails(&folder.run(arguments), 2, message);

@@ -166,18 +166,69 @@ fn a_sharp_highlight_on_a_small_bump_is_clamped_and_told_of_only_where_asked() {
     for highlights in [Highlights::Clamp, Highlights::Aggressive, Highlights::Supersample] {
         assert_ne!(lit(highlights), as_is, "{highlights:?}");
     }
-    let counts = |stage_times| {
+    let lit = |stage_times| {
         let svg = format!("<svg xmlns='http://www.w3.org/2000/svg' width='16' height='16'>{body}</svg>");
         let scene = Scene::from_bytes(svg.as_bytes(), &Options::default()).expect("a drawing");
         let mut renderer =
             Renderer::new(Settings { stage_times, ..Settings::default() }).expect("a renderer");
         renderer.render(&scene, &Viewport::fit(&scene, 16, 16)).expect("a picture");
-        let named = |name| renderer.stages().counts.iter().find(|count| count.0 == name).map(|count| count.1);
-        (named("highlight_pixels_aliasing"), named("highlight_samples_a_side"))
+        renderer.stages().lit.clone()
     };
-    assert_eq!(counts(false), (None, None));
-    let (pixels, samples) = counts(true);
-    assert!(pixels > Some(0) && samples > Some(1), "{pixels:?} {samples:?}");
+    assert_eq!(lit(false), []);
+    let [only] = &lit(true)[..] else { panic!("one light") };
+    assert_eq!((&only.filter[..], only.exponent, only.pixels), ("f", 128.0, 196));
+    assert!(only.aliasing > 0 && only.sampling_rate > 1.0, "{only:?}");
+}
+
+#[test]
+fn a_highlight_that_does_not_alias_has_the_same_bytes_however_it_is_treated() {
+    // A dome some hundred pixels wide, and an exponent that suits it.
+    let body = "<filter id='f' primitiveUnits='userSpaceOnUse' x='0' y='0' width='96' height='96'>
+        <feGaussianBlur stdDeviation='12'/>
+        <feSpecularLighting surfaceScale='30' specularExponent='12' lighting-color='#fff'>
+        <feDistantLight azimuth='225' elevation='60'/></feSpecularLighting></filter>
+        <g filter='url(#f)'><circle cx='48' cy='48' r='40'/></g>";
+    let lit = |highlights| {
+        let settings = Settings { highlights, stage_times: true, ..Settings::default() };
+        render_with(96, 96, body, settings)
+    };
+    let as_is = lit(Highlights::AsIs);
+    assert!(as_is.data().iter().any(|&level| level > 100), "something shines");
+    for highlights in [Highlights::Clamp, Highlights::Aggressive, Highlights::Supersample] {
+        assert_eq!(lit(highlights), as_is, "{highlights:?}");
+    }
+}
+
+/// How much the light of one element of the sample of cylinders and cones changes while it moves by a
+/// pixel: standard deviation in shares of the mean.
+fn flicker(id: &str, highlights: Highlights) -> f64 {
+    const STEPS: usize = 8;
+    let svg =
+        std::fs::read(concat!(env!("CARGO_MANIFEST_DIR"), "/samples/highlights.svg")).expect("a sample");
+    let tree = toon_raster::scene::load::tree_from_bytes(&svg, &Options::default()).expect("a drawing");
+    let scene = Scene::from_element(&tree, id).expect("an element");
+    let mut renderer = Renderer::new(Settings { highlights, ..Settings::default() }).expect("a renderer");
+    let light = |step: usize| -> f64 {
+        let transform = toon_raster::kurbo::Affine::translate((step as f64 / STEPS as f64, 0.0));
+        let viewport = Viewport { width: 320, height: 136, transform };
+        let picture = renderer.render(&scene, &viewport).expect("a picture");
+        picture.data().chunks_exact(4).map(|pixel| f64::from(pixel[3])).sum()
+    };
+    let sums: Vec<f64> = (0..STEPS).map(light).collect();
+    let mean = sums.iter().sum::<f64>() / STEPS as f64;
+    (sums.iter().map(|sum| (sum - mean) * (sum - mean)).sum::<f64>() / STEPS as f64).sqrt() / mean
+}
+
+#[test]
+fn thin_cylinders_and_small_cones_flicker_less_where_their_highlights_are_clamped() {
+    for id in ["thin", "small"] {
+        let as_is = flicker(id, Highlights::AsIs);
+        for highlights in [Highlights::Clamp, Highlights::Aggressive, Highlights::Supersample] {
+            let treated = flicker(id, highlights);
+            println!("{id}: {highlights:?} {as_is:.5} -> {treated:.5}");
+            assert!(treated < as_is, "{id}, {highlights:?}: {treated} was {as_is}");
+        }
+    }
 }
 
 #[test]

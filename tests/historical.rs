@@ -524,8 +524,9 @@ fn beam_bears_witness_for_exact() {
                 (sample_with(name, 120, with(Method::Exact)), sample_with(name, 120, with(Method::Beam)));
             // In linear light, near black, a level is a thirteenth of one.
             let levels = if linear { 3.0 } else { 1.0 };
-            // Where a gradient is steep, it matters where in a visible part it is looked at.
-            let levels = if name == "gradients.svg" { levels + 3.0 } else { levels };
+            // Where a gradient turns, beam takes its mean over a pixel around the middle of a visible part,
+            // exact that over the part.
+            let levels = if name == "gradients.svg" { levels + 8.0 } else { levels };
             assert_within(&beam, &exact, levels, &format!("{name}, linear {linear}, {background:?}"));
         }
     }

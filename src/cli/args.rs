@@ -1,6 +1,7 @@
 //! argv -> [`Job`], or one line on what is wrong with it. Flags mean what they mean to resvg.
 
 use super::compare_args::CompareArguments;
+use super::explain_args::ExplainArguments;
 use super::fonts::FontOptions;
 use super::frames::{FramesJob, SequenceOptions};
 use super::places::{self, Pattern, Plan, Source, Wanted};
@@ -33,6 +34,7 @@ const MAX_PIXELS: u64 = 1 << 28;
     override_usage = "toon-raster [OPTIONS] IN.svg OUT.png\n       \
                       toon-raster [OPTIONS] IN... -o FOLDER|shot.####.png\n       \
                       toon-raster compare [OPTIONS] IN...\n       \
+                      toon-raster explain [OPTIONS] IN...\n       \
                       toon-raster [OPTIONS] ANIMATED.svg|f.####.svg|'f*.svg'|FOLDER -o shot.####.png|OUT.gif|OUT.mp4|-\n       \
                       toon-raster completions SHELL",
     after_help = "`-` is standard input or output. Exit codes: 0 all done, 1 some input failed, \
@@ -58,6 +60,8 @@ struct Arguments {
     #[command(flatten)]
     picture: PictureOptions,
     #[command(flatten)]
+    file: FileOptions,
+    #[command(flatten)]
     sequence: SequenceOptions,
     #[command(flatten)]
     part: PartOptions,
@@ -65,9 +69,8 @@ struct Arguments {
     reading: ReadingOptions,
     #[command(flatten)]
     fonts: FontOptions,
-    /// List the font faces that would be used
-    #[arg(long, help_heading = "Query")]
-    list_fonts: bool,
+    #[command(flatten)]
+    query: QueryOptions,
     #[command(flatten)]
     report: ReportOptions,
 }
@@ -81,6 +84,8 @@ enum Command {
     },
     /// Compare the ways of anti-aliasing on drawings: error against a reference, and time
     Compare(Box<CompareArguments>),
+    /// Say what drawings call for, what will run for it and what that costs
+    Explain(Box<ExplainArguments>),
 }
 
 #[derive(clap::Args, Debug)]
@@ -105,7 +110,7 @@ pub(super) struct SizeOptions {
 
 #[derive(clap::Args, Debug)]
 #[command(next_help_heading = "Picture")]
-struct PictureOptions {
+pub(super) struct PictureOptions {
     /// CSS colour behind the drawing; without it the picture keeps its alpha
     #[arg(short, long, value_name = "COLOR", value_parser = values::color)]
     background: Option<Color>,
@@ -127,9 +132,18 @@ struct PictureOptions {
     /// power may alias) or supersample
     #[arg(long, value_name = "WAY", default_value = "as-is", value_parser = values::highlights)]
     highlights: Highlights,
+    /// Average tables over noise (feComponentTransfer of feTurbulence) over each pixel, where SVG looks at
+    /// one point of it
+    #[arg(long)]
+    index_aa: bool,
     /// Threads; 0 is one a core. The picture does not depend on it
     #[arg(short, long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=1024))]
     threads: u16,
+}
+
+#[derive(clap::Args, Debug)]
+#[command(next_help_heading = "File")]
+struct FileOptions {
     /// png, rgba (raw pixels), apng, gif, y4m (video, for pipes) or, by ffmpeg, mp4, webm or webp, where
     /// the output's name does not tell
     #[arg(long, value_name = "FORMAT", value_parser = values::format)]
@@ -147,7 +161,7 @@ struct PictureOptions {
 
 #[derive(clap::Args, Debug)]
 #[command(next_help_heading = "Part of the drawing")]
-struct PartOptions {
+pub(super) struct PartOptions {
     /// Only the element with this id
     #[arg(short = 'i', long, value_name = "ID")]
     export_id: Option<String>,
@@ -157,12 +171,20 @@ struct PartOptions {
     /// The box of all that is drawn rather than the page
     #[arg(long, conflicts_with = "export_id")]
     export_area_drawing: bool,
+}
+
+#[derive(clap::Args, Debug)]
+#[command(next_help_heading = "Query")]
+struct QueryOptions {
     /// Print every id and its box (id,x,y,width,height) instead of a picture
-    #[arg(long, help_heading = "Query", conflicts_with = "query_bbox")]
+    #[arg(long, conflicts_with = "query_bbox")]
     query_all: bool,
     /// Print the box of all that is drawn (x,y,width,height) instead of a picture
-    #[arg(long, help_heading = "Query")]
+    #[arg(long)]
     query_bbox: bool,
+    /// List the font faces that would be used
+    #[arg(long)]
+    list_fonts: bool,
 }
 
 #[derive(clap::Args, Debug)]
@@ -212,10 +234,6 @@ struct ReportOptions {
 /// # Errors
 /// One line about the first thing wrong.
 pub fn job(argv: impl Iterator<Item = OsString>) -> Result<Job, String> {
-    let argv: Vec<OsString> = argv.collect();
-    if argv.get(1).is_some_and(|command| command == "explain") {
-        return Err("explain is not available yet".to_string());
-    }
     let arguments = match Arguments::try_parse_from(argv) {
         Ok(arguments) => arguments,
         Err(e) if !e.use_stderr() => return Ok(Job::Print(e.render().to_string())),
@@ -224,13 +242,14 @@ pub fn job(argv: impl Iterator<Item = OsString>) -> Result<Job, String> {
     match arguments.command {
         Some(Command::Completions { shell }) => return Ok(Job::Completions(shell)),
         Some(Command::Compare(arguments)) => return arguments.job(),
+        Some(Command::Explain(arguments)) => return arguments.job(),
         None => {}
     }
-    if arguments.list_fonts {
+    if arguments.query.list_fonts {
         return Ok(Job::ListFonts(arguments.fonts));
     }
     log_if(arguments.report.verbose);
-    if arguments.part.query_all || arguments.part.query_bbox {
+    if arguments.query.query_all || arguments.query.query_bbox {
         return query_job(arguments);
     }
     render_job(arguments)
@@ -256,7 +275,7 @@ pub(super) fn log_if(verbose: bool) {
 }
 
 fn query_job(arguments: Arguments) -> Result<Job, String> {
-    let all = arguments.part.query_all;
+    let all = arguments.query.query_all;
     let [input] = &arguments.paths[..] else {
         return Err("a query takes one input and no output (see --help)".to_string());
     };
@@ -291,8 +310,7 @@ fn render_job(mut arguments: Arguments) -> Result<Job, String> {
     if let Some(origin) = frames_of(&arguments, &wanted)? {
         return frames_job(arguments, origin, wanted);
     }
-    let plan =
-        places::plan(&arguments.paths, wanted, arguments.picture.format, arguments.picture.start_number)?;
+    let plan = places::plan(&arguments.paths, wanted, arguments.file.format, arguments.file.start_number)?;
     picture_job(arguments, plan).map(|(job, _)| Job::Render(job))
 }
 
@@ -304,7 +322,7 @@ fn frames_of(arguments: &Arguments, wanted: &Wanted) -> Result<Option<Origin>, S
         Wanted::Stdout => None,
     };
     let extension = path.and_then(|path| path.extension()?.to_str()).and_then(|e| values::format(e).ok());
-    let many = arguments.picture.format.or(extension).is_some_and(Format::holds_many);
+    let many = arguments.file.format.or(extension).is_some_and(Format::holds_many);
     let named =
         path.is_some_and(|path| matches!(wanted, Wanted::Named(_)) && Pattern::find(path, 1).is_some());
     let asked = many || arguments.sequence.ask() || (named && paths.len() == 1);
@@ -319,10 +337,10 @@ fn frames_of(arguments: &Arguments, wanted: &Wanted) -> Result<Option<Origin>, S
 }
 
 fn frames_job(mut arguments: Arguments, origin: Origin, wanted: Wanted) -> Result<Job, String> {
-    let (sheet, start_number) = (arguments.sequence.sheet.is_some(), arguments.picture.start_number);
+    let (sheet, start_number) = (arguments.sequence.sheet.is_some(), arguments.file.start_number);
     let single = arguments.sequence.single();
     let (destination, format, folder) =
-        sequence::destination(&origin, wanted, arguments.picture.format, sheet, single)?;
+        sequence::destination(&origin, wanted, arguments.file.format, sheet, single)?;
     arguments.paths.clear();
     let (picture, options) = picture_job(arguments, Plan { tasks: Vec::new(), format, folder })?;
     Ok(Job::Frames(Box::new(FramesJob { picture, origin, destination, options, start_number })))
@@ -331,41 +349,55 @@ fn frames_job(mut arguments: Arguments, origin: Origin, wanted: Wanted) -> Resul
 /// How each picture is made.
 fn picture_job(arguments: Arguments, plan: Plan) -> Result<(RenderJob, SequenceOptions), String> {
     let options = options(&arguments.reading, &arguments.size, &arguments.fonts)?;
-    let Arguments { size, picture, sequence, part, reading, report, .. } = arguments;
-    if picture.linear && picture.aa == Method::TinySkia {
-        return Err(
-            "--aa tiny-skia cannot mix in linear light (leave out --linear, or choose another method)"
-                .to_string(),
-        );
-    }
-    let settings = Settings {
-        method: picture.aa,
-        tolerance: picture.tolerance.unwrap_or(picture.aa.tolerance()),
-        linear: picture.linear,
-        highlights: picture.highlights,
-        background: picture.background.map(|color| color.0),
-        threads: picture.threads.into(),
-        stage_times: report.perf.is_some(),
-        ..Settings::default()
-    };
+    let Arguments { size, picture, file, sequence, part, reading, report, .. } = arguments;
     let job = RenderJob {
         plan,
         options,
         resources_dir: reading.resources_dir,
         fit: fit(&size),
-        part: match part.export_id {
-            Some(id) => Part::Element { id, on_page: part.export_area_page },
-            None if part.export_area_drawing => Part::Drawing,
-            None => Part::Page,
-        },
+        part: part.part(),
         max_pixels: size.max_pixels,
-        settings,
-        effort: values::effort(picture.fast_png, picture.small_png),
+        settings: picture.settings(report.perf.is_some())?,
+        effort: values::effort(file.fast_png, file.small_png),
         perf: report.perf,
         voice: Voice { quiet: report.quiet },
         progress: told(report.progress, report.quiet),
     };
     Ok((job, sequence))
+}
+
+impl PictureOptions {
+    /// # Errors
+    /// One line, when two of them do not go together.
+    pub(super) fn settings(self, stage_times: bool) -> Result<Settings, String> {
+        if self.linear && self.aa == Method::TinySkia {
+            return Err(
+                "--aa tiny-skia cannot mix in linear light (leave out --linear, or choose another method)"
+                    .to_string(),
+            );
+        }
+        Ok(Settings {
+            method: self.aa,
+            tolerance: self.tolerance.unwrap_or(self.aa.tolerance()),
+            linear: self.linear,
+            highlights: self.highlights,
+            index_aa: self.index_aa,
+            background: self.background.map(|color| color.0),
+            threads: self.threads.into(),
+            stage_times,
+            ..Settings::default()
+        })
+    }
+}
+
+impl PartOptions {
+    pub(super) fn part(self) -> Part {
+        match self.export_id {
+            Some(id) => Part::Element { id, on_page: self.export_area_page },
+            None if self.export_area_drawing => Part::Drawing,
+            None => Part::Page,
+        }
+    }
 }
 
 /// A bar is for people: only on a terminal, and not if they want quiet.

@@ -157,7 +157,7 @@ impl Shoot {
         if frames.is_empty() && job.options.chunk.is_none() {
             return Err(Failure::input("no frame of it is in --frames"));
         }
-        let threads = render::threads(&job.picture.settings);
+        let threads = job.picture.settings.thread_count();
         Ok(Shoot { job, frames, rate, film, threads, started })
     }
 

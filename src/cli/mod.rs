@@ -18,15 +18,18 @@
 //! | [`query`] | the query job: ids and boxes |
 //! | [`compare_args`] | argv of `compare` → its job |
 //! | [`compare`] | the compare job: every method on every input, to a table, JSON and a page |
+//! | [`explain_args`] | argv of `explain` → its job |
+//! | [`explain`] | the explain job: what drawings call for, what will run and what it costs |
 //! | [`report`] | what is said on standard error, and exit codes |
 //! | [`perf`] | times → a table or JSON |
 //!
-//! A new job (explaining a drawing) is a new arm of
-//! [`Job`], a file beside `query.rs` and a line in `main.rs`.
+//! A new job is a new arm of [`Job`], a file beside `query.rs` and a line in `main.rs`.
 
 pub mod args;
 pub mod compare;
 pub mod compare_args;
+pub mod explain;
+pub mod explain_args;
 pub mod ffmpeg;
 pub mod fonts;
 pub mod frames;
@@ -54,6 +57,8 @@ pub enum Job {
     Query(query::QueryJob),
     /// Every method on some drawings: error and time.
     Compare(Box<compare::CompareJob>),
+    /// What some drawings call for, on standard output.
+    Explain(Box<explain::ExplainJob>),
     /// The font faces that would be used, on standard output.
     ListFonts(fonts::FontOptions),
     /// A completion script, on standard output.

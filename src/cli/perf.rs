@@ -4,7 +4,7 @@ use super::values::PerfStyle;
 use std::fmt::Write as _;
 use std::io::Write as _;
 use std::time::Duration;
-use toon_raster::Stages;
+use toon_raster::{EffectRuns, LitSurface, Stages};
 
 /// Times of one picture. Where encoding overlaps rasterizing, both count in full.
 #[derive(Clone, Debug, Default)]
@@ -57,8 +57,24 @@ impl Perf {
                 }
             }
         }
+        for EffectRuns { name, runs, time } in &self.stages.effects {
+            let _ = match time.is_zero() {
+                true => write!(text, "\n{name:>24} {runs:>10} x"),
+                false => write!(text, "\n{name:>24} {:>10.3} ms, {runs} x", ms(*time)),
+            };
+        }
         for (counter, value) in &self.stages.counts {
             let _ = write!(text, "\n{counter:>24} {value:>10}");
+        }
+        for lit in self.stages.lit.iter().filter(|lit| lit.aliasing > 0) {
+            let LitSurface { filter, exponent, pixels, aliasing, .. } = lit;
+            let _ = write!(
+                text,
+                "\n{:>24} {aliasing:>10} of {pixels} pixels in '{filter}' (exponent {exponent}): {} samples a \
+                 side would cure it",
+                "highlight aliasing",
+                samples_a_side(lit)
+            );
         }
         if let Some(kib) = peak_memory_kib() {
             let _ = write!(text, "\n{:>24} {kib:>10} KiB", "peak memory");
@@ -78,18 +94,36 @@ impl Perf {
         }
         let stages =
             self.stages.times.iter().map(|(name, time)| format!("{}:{:.3}", json_string(name), ms(*time)));
+        let effects = self.stages.effects.iter().map(|EffectRuns { name, runs, time }| {
+            format!(r#"{}:{{"ms":{:.3},"runs":{runs}}}"#, json_string(name), ms(*time))
+        });
+        let lights = self.stages.lit.iter().map(|lit| {
+            let LitSurface { filter, exponent, pixels, aliasing, .. } = lit;
+            format!(
+                r#"{{"filter":{},"exponent":{exponent},"pixels":{pixels},"aliasing":{aliasing},"samples_a_side":{}}}"#,
+                json_string(filter),
+                samples_a_side(lit)
+            )
+        });
         let counts = self.stages.counts.iter().map(|(name, value)| format!("{}:{value}", json_string(name)));
         let _ = write!(
             text,
-            r#","stages_ms":{{{}}},"counts":{{{}}}"#,
+            r#","stages_ms":{{{}}},"effects":{{{}}},"counts":{{{}}},"highlights":[{}]"#,
             stages.collect::<Vec<_>>().join(","),
-            counts.collect::<Vec<_>>().join(",")
+            effects.collect::<Vec<_>>().join(","),
+            counts.collect::<Vec<_>>().join(","),
+            lights.collect::<Vec<_>>().join(",")
         );
         if let Some(kib) = peak_memory_kib() {
             let _ = write!(text, r#","peak_kib":{kib}"#);
         }
         text + "}"
     }
+}
+
+/// Samples along a pixel's side that would cure all of what aliases.
+pub fn samples_a_side(lit: &LitSurface) -> u64 {
+    lit.sampling_rate.ceil().max(1.0) as u64
 }
 
 /// Time of a sequence, all frames together.

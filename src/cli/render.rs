@@ -135,7 +135,7 @@ fn one(
             output: target.name(),
             width: viewport.width,
             height: viewport.height,
-            threads: threads(&job.settings),
+            threads: job.settings.thread_count(),
             read,
             parse,
             raster,
@@ -156,14 +156,6 @@ pub fn folder_of(source: &Source) -> Option<PathBuf> {
     }
 }
 
-/// Threads that the settings come to.
-pub fn threads(settings: &Settings) -> usize {
-    match settings.threads {
-        0 => std::thread::available_parallelism().map_or(1, usize::from),
-        n => n,
-    }
-}
-
 /// Renders and encodes; the time of each.
 fn picture(
     job: &RenderJob,
@@ -173,7 +165,7 @@ fn picture(
     output: &mut Output,
 ) -> Result<(Duration, Duration), Error> {
     let pixels = viewport.width as u64 * viewport.height as u64;
-    if threads(&job.settings) > 1 && pixels >= WORTH_A_THREAD {
+    if job.settings.thread_count() > 1 && pixels >= WORTH_A_THREAD {
         overlapped(job, renderer, scene, viewport, output)
     } else {
         in_turn(job, renderer, scene, viewport, output)

@@ -1,7 +1,8 @@
 //! Takes a method with a number to turn, makes its curve: error and time at several values of it.
 //!
 //! The sampled methods have their number of samples; the exact one has the tolerance at which curves
-//! are flattened, and the cap on the recursion. A curve stops before a point that would take longer than
+//! are flattened, the cap on the recursion, and, for drawings with gradients, the width of the spot over
+//! which these are averaged (Worley: the best is found by trying). A curve stops before a point that would take longer than
 //! what is left of its budget.
 
 use super::timing::{milliseconds, Spread};
@@ -19,6 +20,8 @@ const SAMPLES: [u16; 6] = [1, 4, 16, 64, 256, 1024];
 const SIDES: [u16; 6] = [1, 2, 4, 8, 16, 32];
 /// Distances in pixels.
 const TOLERANCES: [f64; 8] = [2.0, 1.0, 0.5, 0.2, 0.1, 0.05, 0.01, 0.002];
+/// Widths in pixels.
+const SPOTS: [f64; 9] = [0.0, 0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 2.0, 3.0];
 /// Pieces held against regions in one pixel.
 const CAPS: [u32; 6] = [0, 10, 100, 1_000, 10_000, 100_000];
 
@@ -27,7 +30,7 @@ const CAPS: [u32; 6] = [0, 10, 100, 1_000, 10_000, 100_000];
 pub struct Curve {
     /// The method's name without its number.
     pub family: String,
-    /// What the number is: `samples`, `samples a side`, `tolerance` or `cap`.
+    /// What the number is: `samples`, `samples a side`, `tolerance`, `cap` or `spot`.
     pub parameter: &'static str,
     /// From the cheap end to the dear one.
     pub points: Vec<Point>,
@@ -56,7 +59,9 @@ pub fn curves(
     truth: &Truth,
     options: &Options,
 ) -> Vec<Curve> {
-    let variants = variants(method, options).into_iter();
+    let census = scene.census().unwrap_or_default();
+    let has_gradients = census.linear_gradients + census.radial_gradients > 0;
+    let variants = variants(method, has_gradients, options).into_iter();
     variants.filter_map(|variants| curve(variants, scene, viewport, truth, options)).collect()
 }
 
@@ -99,16 +104,21 @@ fn curve(
 type Variants = (String, &'static str, Vec<(f64, Settings)>);
 
 /// The method's families: their members differ by a number.
-fn variants(method: Method, options: &Options) -> Vec<Variants> {
+fn variants(method: Method, has_gradients: bool, options: &Options) -> Vec<Variants> {
     let name = method.to_string();
     let (family, number) = name.split_once(':').unwrap_or((&name, ""));
     if method == Method::Exact {
         let with = |&tolerance: &f64| (tolerance, Settings { tolerance, ..options.settings(method) });
         let capped = |&cap: &u32| (f64::from(cap), Settings { most_work: cap, ..options.settings(method) });
-        return vec![
+        let spot = |&scale: &f64| (scale, Settings { spot_scale: scale, ..options.settings(method) });
+        let mut variants = vec![
             (name.clone(), "tolerance", TOLERANCES.iter().map(with).collect()),
-            (name, "cap", CAPS.iter().map(capped).collect()),
+            (name.clone(), "cap", CAPS.iter().map(capped).collect()),
         ];
+        if has_gradients {
+            variants.push((name, "spot", SPOTS.iter().map(spot).collect()));
+        }
+        return variants;
     }
     if number.parse::<u16>().is_err() {
         return Vec::new();
@@ -130,7 +140,7 @@ mod tests {
         for &method in Method::ALL {
             let name = method.to_string();
             let number = name.split_once(':').is_some_and(|(_, n)| n.parse::<u16>().is_ok());
-            let variants = variants(method, &Options::default());
+            let variants = variants(method, true, &Options::default());
             assert_eq!(!variants.is_empty(), number || method == Method::Exact, "{name}");
             assert!(variants.iter().all(|(_, _, all)| all.len() > 3), "{name}");
         }

@@ -21,6 +21,16 @@ pub(crate) fn blend(mode: BlendMode, source: Pixel, backdrop: Pixel) -> Pixel {
     }
 }
 
+/// The colour with which a source, painted over the backdrop, comes out as the blend of both; its alpha
+/// is the source's.
+#[inline]
+pub(crate) fn own_color(mode: BlendMode, source: Pixel, backdrop: Pixel) -> Pixel {
+    let alpha = source[3];
+    let blended = blend(mode, source, backdrop);
+    let own = |i: usize| (blended[i] - (1.0 - alpha) * backdrop[i]).clamp(0.0, alpha);
+    [own(0), own(1), own(2), alpha]
+}
+
 /// Porter and Duff's `over`.
 #[inline]
 pub(crate) fn over(source: Pixel, backdrop: Pixel) -> Pixel {

@@ -196,8 +196,15 @@ impl Layer {
     /// When there are not exactly four bytes for every pixel.
     pub fn from_rgba8(rect: IntRect, bytes: &[u8]) -> Layer {
         assert_eq!(bytes.len() as u64, rect.area() * 4, "four bytes a pixel");
-        let pixel = |p: &[u8]| premultiplied([p[0], p[1], p[2], p[3]].map(|v| f32::from(v) / 255.0));
-        Layer { rect, space: Space::Srgb, pixels: bytes.chunks_exact(4).map(pixel).collect() }
+        // Runs of one colour are the rule in drawings.
+        let (mut known, mut known_pixel) = ([0; 4], CLEAR);
+        let pixel = |&bytes: &[u8; 4]| {
+            if bytes != known {
+                (known, known_pixel) = (bytes, premultiplied(bytes.map(|v| f32::from(v) / 255.0)));
+            }
+            known_pixel
+        };
+        Layer { rect, space: Space::Srgb, pixels: bytes.as_chunks().0.iter().map(pixel).collect() }
     }
 
     /// sRGB-encoded bytes with straight alpha.
@@ -239,6 +246,26 @@ impl Layer {
         } else {
             CLEAR
         }
+    }
+
+    /// Gives `put` the pixels of row `y` from column `x` on, each with its place among them.
+    #[inline]
+    pub fn row(&self, x: i32, y: i32, count: usize, mut put: impl FnMut(usize, Pixel)) {
+        let wanted = IntRect::new(x, y, count as u32, 1);
+        let common = wanted.intersect(self.rect);
+        let (mut i, left) = (0, if common.is_empty() { count } else { (common.x - x) as usize });
+        while i < left {
+            put(i, CLEAR);
+            i += 1;
+        }
+        if !common.is_empty() {
+            let first = self.index(common.x, y);
+            for &pixel in &self.pixels[first..first + common.width()] {
+                put(i, pixel);
+                i += 1;
+            }
+        }
+        (i..count).for_each(|i| put(i, CLEAR));
     }
 
     /// Row y of a rectangle which lies within this layer's.
@@ -286,6 +313,19 @@ impl Layer {
     pub fn alpha(&self) -> Layer {
         let pixels = self.pixels.iter().map(|p| [0.0, 0.0, 0.0, p[3]]).collect();
         Layer { pixels, ..*self }
+    }
+
+    /// The same pixels over another rectangle: cut off or clear where this one ends.
+    pub fn into_rect(self, rect: IntRect) -> Layer {
+        match rect == self.rect {
+            true => self,
+            false => self.moved_over_rect(0, 0, rect),
+        }
+    }
+
+    /// Does it hide all that lies behind it?
+    pub fn is_opaque(&self) -> bool {
+        self.pixels.iter().all(|pixel| pixel[3] >= 1.0)
     }
 
     /// The same pixels over another rectangle: cut off or clear where this one ends.

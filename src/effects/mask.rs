@@ -1,7 +1,7 @@
 //! Takes a layer, makes a [`Mask`]: how much of another layer shows, by the first one's luminance or
 //! its alpha (CSS Masking 1, section 7.10.1).
 
-use super::layer::{IntRect, Layer, Space};
+use super::layer::{IntRect, Layer, Pixel, Space};
 
 /// What of a layer is looked at.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,18 +31,29 @@ pub(crate) struct Mask {
 /// Red's, green's and blue's shares of luminance, as SVG 1.1's luminanceToAlpha has them.
 const SHARES: [f32; 3] = [0.2125, 0.7154, 0.0721];
 
+/// How much of another pixel one of a mask shows.
+#[inline]
+pub(crate) fn shown(kind: usvg::MaskType, pixel: Pixel) -> f32 {
+    match kind {
+        usvg::MaskType::Alpha => pixel[3],
+        usvg::MaskType::Luminance => luminance(pixel),
+    }
+}
+
+/// Luminance is linear in the premultiplied components: alpha is in them already.
+#[inline]
+fn luminance([r, g, b, _]: Pixel) -> f32 {
+    (SHARES[0] * r + SHARES[1] * g + SHARES[2] * b).min(1.0)
+}
+
 impl Mask {
     pub fn of(layer: Layer, kind: Kind) -> Mask {
         let rect = layer.rect();
         let values = match kind {
             Kind::Alpha => layer.pixels().iter().map(|p| p[3]).collect(),
-            // Luminance is linear in the premultiplied components: alpha is in them already.
-            Kind::Luminance(space) => layer
-                .into_space(space)
-                .pixels()
-                .iter()
-                .map(|p| (SHARES[0] * p[0] + SHARES[1] * p[1] + SHARES[2] * p[2]).min(1.0))
-                .collect(),
+            Kind::Luminance(space) => {
+                layer.into_space(space).pixels().iter().copied().map(luminance).collect()
+            }
         };
         Mask { rect, values }
     }

@@ -8,11 +8,13 @@
 //! | [`blend`] | two premultiplied colours → one, by any of CSS's blend modes |
 //! | [`mask`] | a layer → how much of another layer it lets through |
 //! | [`filter`] | a layer + usvg's filters → the filtered layer |
+//! | [`log`] | effects as they run → how often, how long, and what aliases of highlights |
 //! | [`highlights`] | neighbouring normals + Phong's exponent → whether the highlight aliases, and one that does not |
 
 pub(crate) mod blend;
 pub(crate) mod filter;
 pub(crate) mod highlights;
 pub(crate) mod layer;
+pub(crate) mod log;
 pub(crate) mod mask;
 pub(crate) mod srgb;

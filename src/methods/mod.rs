@@ -144,6 +144,17 @@ impl Method {
         }
     }
 
+    /// Does it evaluate the whole paint tree, masks and blend modes too, where the same shapes are seen?
+    /// Other methods are given those as layers of pixels.
+    pub(crate) fn composites_regions(self) -> bool {
+        match self {
+            Method::Exact | Method::Mask | Method::Mask64 | Method::None | Method::Accumulate(_) => true,
+            Method::Grid(_) | Method::Random(_) | Method::Jitter(_) | Method::Poisson(_) => true,
+            Method::Adaptive(_) | Method::Corner | Method::CornerTiny | Method::Cone => false,
+            Method::Beam | Method::Area | Method::TinySkia => false,
+        }
+    }
+
     /// Does it take one sample a pixel, at its centre?
     pub(crate) fn is_jagged(self) -> bool {
         self == Method::None

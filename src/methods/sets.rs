@@ -9,7 +9,8 @@
 
 use crate::coverage::{Part, Parts};
 use crate::pixel::fragment::PIXEL_AREA;
-use crate::pixel::resolve::{Mean, Surroundings, NEGLIGIBLE};
+use crate::pixel::paint_tree::PaintTree;
+use crate::pixel::resolve::{Mean, Surroundings};
 use crate::scene::paint::Sheet;
 use crate::zlist::{Entry, Head, Kind};
 use std::fmt::Debug;
@@ -266,48 +267,34 @@ impl<B: Bits> Composer<'_, B> {
     /// they are so everywhere, so that whatever could matter at some point is looked at.
     #[inline]
     fn compose(&self, region: &mut B, at: Option<(f64, f64)>) -> (Sheet, bool) {
-        let mut front = self.head.front;
+        let mut tree = PaintTree::behind(self.head.front);
         let mut has_gradient = false;
-        // What stands in front of the groups that are open, and their opacities.
-        let mut outer: Vec<(Sheet, f32)> = Vec::new();
         let mut next = self.head.first;
         while let Some(entry) = self.entries.get(next as usize) {
             next = entry.next;
-            let hidden = front.through() < NEGLIGIBLE;
             match entry.kind {
-                Kind::GroupStart(opacity) => {
-                    outer.push((front, opacity));
-                    front = Sheet::CLEAR;
-                    continue;
+                Kind::GroupStart(composite) => tree.start(composite),
+                Kind::GroupMiddle => tree.middle(),
+                Kind::GroupEnd => tree.end(),
+                _ if tree.is_done() => break,
+                _ if tree.is_hidden() => {}
+                _ if !entry.part.has(self.sample) => *region = *region & !entry.part,
+                Kind::Sheet(sheet) => {
+                    *region = *region & entry.part;
+                    tree.paint(sheet);
                 }
-                Kind::GroupEnd => {
-                    let (before, opacity) = outer.pop().expect("groups end after they start");
-                    front = before.over(front.faded(opacity));
-                    continue;
-                }
-                _ if hidden && outer.is_empty() => return (front, has_gradient),
-                _ if hidden || outer.iter().any(|(before, _)| before.through() < NEGLIGIBLE) => continue,
-                _ => {}
-            }
-            if !entry.part.has(self.sample) {
-                *region = *region & !entry.part;
-                continue;
-            }
-            *region = *region & entry.part;
-            front = front.over(match entry.kind {
-                Kind::Sheet(sheet) => sheet,
                 Kind::Gradient(shape) => {
+                    *region = *region & entry.part;
                     has_gradient = true;
                     let shader =
                         self.around.shaders[shape as usize].as_ref().expect("gradients have shaders");
                     match at {
-                        Some((x, y)) => shader.at(x, y),
-                        None => shader.least(),
+                        Some((x, y)) => tree.paint(shader.at(x, y)),
+                        None => tree.paint_vaguely(shader.least()),
                     }
                 }
-                Kind::GroupStart(_) | Kind::GroupEnd => unreachable!("they are no paint"),
-            });
+            }
         }
-        (front.over(self.around.background), has_gradient)
+        (tree.over(self.around.background), has_gradient)
     }
 }

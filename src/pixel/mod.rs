@@ -11,6 +11,7 @@
 //! | [`boundary`] | fragments whose borders cross seldom or never → visible regions |
 //! | [`split`] | several fragments → visible regions (Catmull's integrator) |
 //! | [`sample`] | the same, bounded, where splitting would take too long |
+//! | [`paint_tree`] | what lies over a region → its colour |
 //! | [`resolve`] | z-list → regions by the cheapest exact way → colour |
 
 pub(crate) mod boundary;
@@ -20,6 +21,7 @@ pub(crate) mod cuts;
 pub(crate) mod few;
 pub(crate) mod fragment;
 pub(crate) mod indicator;
+pub(crate) mod paint_tree;
 pub(crate) mod resolve;
 pub(crate) mod sample;
 pub(crate) mod split;

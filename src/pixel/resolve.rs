@@ -6,13 +6,17 @@
 use super::boundary::Boundary;
 use super::few::Few;
 use super::fragment::{Fragment, PieceSet, PIXEL_AREA};
+use super::paint_tree::{Composite, PaintTree};
 use super::sample::Sampler;
 use super::split::{centroid, Integrator, Known, MOST_LEAVES};
 use crate::edges::ONE;
-use crate::scene::paint::{Shader, Sheet};
+use crate::scene::paint::Sheet;
+use crate::scene::shader::{Shader, Spot};
 use crate::scene::FillRule;
 use crate::strips::Piece;
 use crate::zlist::{Borders, ZLists};
+use kurbo::Point;
+use std::cell::RefCell;
 
 /// Less light than this from behind cannot be seen: a thirtieth of an 8-bit level.
 pub(crate) const NEGLIGIBLE: f32 = 1.0 / 8192.0;
@@ -35,13 +39,14 @@ enum Formula {
 
 /// One entry of the z-list.
 #[derive(Clone, Copy, Debug)]
-enum Item {
+pub(crate) enum Item {
     /// A sheet of one colour over all of the pixel, or where the formula holds.
     Sheet(Sheet, Option<usize>),
     /// The same with a gradient, by its shape's number.
     Gradient(u32, Option<usize>),
-    /// What follows, up to the matching end, composites as one and then fades by this opacity.
-    GroupStart(f32),
+    /// What follows, up to the matching end, composites as one.
+    GroupStart(Composite),
+    GroupMiddle,
     GroupEnd,
 }
 
@@ -67,6 +72,7 @@ pub(crate) struct Resolver {
     /// Formulas that several items share, by their node.
     shared: Vec<(u32, usize)>,
     has_gradient: bool,
+    tree: RefCell<PaintTree>,
     /// Does the scene have clips?
     pub has_clips: bool,
     set: PieceSet,
@@ -86,6 +92,14 @@ pub(crate) struct Surroundings<'a> {
     pub linear: bool,
     /// As [`crate::Settings::most_work`].
     pub most_work: u32,
+}
+
+impl<'a> Surroundings<'a> {
+    /// The shader of a shape that is not of one colour.
+    #[inline]
+    fn shader(&self, shape: u32) -> &Shader<'a> {
+        self.shaders[shape as usize].as_ref().expect("gradients have shaders")
+    }
 }
 
 impl Resolver {
@@ -110,12 +124,9 @@ impl Resolver {
         self.has_gradient = true;
     }
 
-    pub fn start_group(&mut self, opacity: f32) {
-        self.items.push(Item::GroupStart(opacity));
-    }
-
-    pub fn end_group(&mut self) {
-        self.items.push(Item::GroupEnd);
+    /// Adds a group's mark.
+    pub fn push(&mut self, mark: Item) {
+        self.items.push(mark);
     }
 
     /// The formula of a node; a node that several items share gives one formula.
@@ -177,6 +188,9 @@ impl Resolver {
         let place = Place { x: f64::from(x), y: f64::from(y), around };
         let mut mean = Mean::default();
         if self.has_gradient {
+            self.settle_gradients(place);
+        }
+        if self.has_gradient {
             self.split(place, pieces, &mut mean);
         } else if let [only] = self.leaves[..] {
             self.counts.one_fragment += 1;
@@ -193,6 +207,21 @@ impl Resolver {
             self.split(place, pieces, &mut mean);
         }
         mean
+    }
+
+    /// Makes sheets of the gradients of which every part of the pixel has the same colour.
+    fn settle_gradients(&mut self, place: Place) {
+        let (x, y) = place.middle();
+        self.has_gradient = false;
+        for item in &mut self.items {
+            if let Item::Gradient(shape, formula) = *item {
+                let shader = place.around.shader(shape);
+                match shader.even_at(x, y) {
+                    Some(sheet) => *item = Item::Sheet(sheet, formula),
+                    None => self.has_gradient = true,
+                }
+            }
+        }
     }
 
     /// The closed form, where borders do not cross.
@@ -218,7 +247,7 @@ impl Resolver {
 
     /// The colour of a region of which it is known whether it lies inside each fragment.
     fn sheet_of(&self, inside: impl Fn(usize) -> bool, place: Place) -> Sheet {
-        let sheet = self.compose(&|leaf| Some(inside(leaf)), Some(place.middle()), place.around);
+        let sheet = self.compose(&|leaf| Some(inside(leaf)), Some(place.whole()), place.around);
         sheet.expect("every fragment is known")
     }
 
@@ -236,6 +265,7 @@ impl Resolver {
         let linear = place.around.linear;
         let mut integrator = std::mem::take(&mut self.integrator);
         let mut done = Err(super::split::TooComplex);
+        let mut polygon = Vec::new();
         if self.leaves.len() <= MOST_LEAVES {
             integrator.clear();
             for leaf in &self.leaves {
@@ -249,9 +279,16 @@ impl Resolver {
                 place.around.most_work,
                 |known| self.compose(&is_known(known), None, place.around).err(),
                 |known, area, corners| {
-                    let at = centroid(corners).filter(|_| self.has_gradient).map(|c| place.point(c));
-                    let at = at.unwrap_or(place.middle());
-                    let sheet = self.compose(&is_known(known), Some(at), place.around);
+                    polygon.clear();
+                    let centre = centroid(corners).filter(|_| self.has_gradient);
+                    let spot = match centre {
+                        None => place.whole(),
+                        Some(centre) => {
+                            polygon.extend(corners.iter().map(|c| place.point((c.x, c.y))));
+                            Spot::Polygon(place.point(centre), &polygon)
+                        }
+                    };
+                    let sheet = self.compose(&is_known(known), Some(spot), place.around);
                     mean.add(sheet.expect("the integrator knows what was wanted"), area, linear);
                 },
             );
@@ -333,55 +370,49 @@ impl Resolver {
         let mut mean = Mean::default();
         sampler.sample(|inside, area, middle| {
             let known = |leaf: usize| Some(inside[leaf / 64] >> (leaf % 64) & 1 != 0);
-            let sheet = self.compose(&known, Some(place.point(middle)), place.around);
+            let Point { x, y } = place.point(middle);
+            let sheet = self.compose(&known, Some(Spot::Pixel(x, y)), place.around);
             mean.add(sheet.expect("every fragment is known"), area, place.around.linear);
         });
         mean
     }
 
     /// Composites the items over a region, front to back. `known` says whether the region lies inside
-    /// a fragment; the first one that matters and is not known is the error. Gradients are taken at a
-    /// point, in pixels. Without one they are opaque only if they are so everywhere, so that whatever
+    /// a fragment; the first one that matters and is not known is the error. Gradients are taken
+    /// over a spot. Without one they are opaque only if they are so everywhere, so that whatever
     /// could matter at some point is asked for.
     fn compose(
         &self,
         known: &impl Fn(usize) -> Option<bool>,
-        at: Option<(f64, f64)>,
+        spot: Option<Spot>,
         around: &Surroundings,
     ) -> Result<Sheet, usize> {
-        let mut front = Sheet::CLEAR;
-        // What stands in front of the groups that are open, and their opacities.
-        let mut outer: Vec<(Sheet, f32)> = Vec::new();
+        let mut tree = self.tree.borrow_mut();
+        tree.clear();
         for item in &self.items {
-            let hidden = front.through() < NEGLIGIBLE;
             match *item {
-                Item::GroupStart(opacity) => {
-                    outer.push((front, opacity));
-                    front = Sheet::CLEAR;
-                }
-                Item::GroupEnd => {
-                    let (before, opacity) = outer.pop().expect("groups end after they start");
-                    front = before.over(front.faded(opacity));
-                }
-                _ if hidden && outer.is_empty() => return Ok(front),
-                _ if hidden || outer.iter().any(|(before, _)| before.through() < NEGLIGIBLE) => {}
+                Item::GroupStart(composite) => tree.start(composite),
+                Item::GroupMiddle => tree.middle(),
+                Item::GroupEnd => tree.end(),
+                _ if tree.is_done() => break,
+                _ if tree.is_hidden() => {}
                 Item::Sheet(sheet, formula) => {
                     if self.holds(formula, known)? {
-                        front = front.over(sheet);
+                        tree.paint(sheet);
                     }
                 }
                 Item::Gradient(shape, formula) => {
                     if self.holds(formula, known)? {
-                        let shader = around.shaders[shape as usize].as_ref().expect("gradients have shaders");
-                        front = front.over(match at {
-                            Some((x, y)) => shader.at(x, y),
-                            None => shader.least(),
-                        });
+                        let shader = around.shader(shape);
+                        match spot {
+                            Some(spot) => tree.paint(shader.over(spot)),
+                            None => tree.paint_vaguely(shader.least()),
+                        }
                     }
                 }
             }
         }
-        Ok(front.over(around.background))
+        Ok(tree.over(around.background))
     }
 
     fn holds(&self, formula: Option<usize>, known: &impl Fn(usize) -> Option<bool>) -> Result<bool, usize> {
@@ -418,8 +449,13 @@ struct Place<'a> {
 
 impl Place<'_> {
     /// Fixed point in the pixel to pixels in the picture.
-    fn point(&self, (x, y): (f64, f64)) -> (f64, f64) {
-        (self.x + x / f64::from(ONE), self.y + y / f64::from(ONE))
+    fn point(&self, (x, y): (f64, f64)) -> Point {
+        Point::new(self.x + x / f64::from(ONE), self.y + y / f64::from(ONE))
+    }
+
+    fn whole(&self) -> Spot<'static> {
+        let (x, y) = self.middle();
+        Spot::Pixel(x, y)
     }
 
     fn middle(&self) -> (f64, f64) {

@@ -20,7 +20,8 @@
 //!
 //! Only pixels with edges are swept; shapes hidden in a pixel by an opaque one which covers it whole
 //! are left out, and runs of pixels without edges are composited once. Gradients are approximate:
-//! they are evaluated at the centroid of the area which one set of shapes covers in the pixel.
+//! they are evaluated at the centroid of the area which one set of shapes covers in the pixel; where
+//! their colour map turns or jumps in the pixel around it, on 64 x 64 points of that.
 //! Masks, filters and blend modes are ignored, patterns and images of pixels are not drawn: see
 //! [`unsupported`].
 //!

@@ -2,7 +2,7 @@
 
 use super::clip::Cover;
 use super::drawing::{affine, Drawing};
-use kurbo::{Affine, Point};
+use kurbo::{Affine, Point, Vec2};
 use usvg::{Paint, SpreadMethod, Stop};
 
 /// A colour: red, green, blue times alpha, and alpha, each 0..=1, sRGB-encoded.
@@ -114,7 +114,47 @@ impl Gradient {
         everywhere && self.stops.iter().all(|(_, colour)| colour[3] >= 1.0)
     }
 
+    /// The mean over the pixel around `at`: by samples where the colour map turns within it, and
+    /// otherwise the colour in its middle.
     fn colour(&self, at: Point) -> Colour {
+        /// Samples along one side.
+        const SIDE: i32 = 64;
+        if !self.turns_around(at) {
+            return self.colour_at(at);
+        }
+        let offset = |i: i32| (f64::from(i) + 0.5) / f64::from(SIDE) - 0.5;
+        let mut sum = [0.0; 4];
+        for i in 0..SIDE * SIDE {
+            let colour = self.colour_at(at + Vec2::new(offset(i % SIDE), offset(i / SIDE)));
+            sum.iter_mut().zip(colour).for_each(|(sum, c)| *sum += c);
+        }
+        sum.map(|sum| sum / f64::from(SIDE * SIDE))
+    }
+
+    /// May a stop, an end or a place without colour lie within the pixel around a point?
+    fn turns_around(&self, at: Point) -> bool {
+        let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
+        for (dx, dy) in [(0.0, 0.0), (-0.5, -0.5), (0.5, -0.5), (-0.5, 0.5), (0.5, 0.5)] {
+            let Some(t) = self.shape.offset(self.from_pixels * (at + Vec2::new(dx, dy))) else {
+                return true;
+            };
+            (least, most) = (least.min(t), most.max(t));
+        }
+        // The middle of a radial gradient may lie anywhere in the pixel.
+        let margin = 0.5 * (most - least);
+        let (least, most) = (least - margin, most + margin);
+        let within = |t: f64| least < t && t < most;
+        let period = least.floor();
+        match self.spread {
+            SpreadMethod::Pad => self.stops.iter().any(|&(offset, _)| within(offset)),
+            _ if most > period + 1.0 => true,
+            _ => {
+                self.stops.iter().any(|&(offset, _)| within(period + offset) || within(period + 1.0 - offset))
+            }
+        }
+    }
+
+    fn colour_at(&self, at: Point) -> Colour {
         let Some(t) = self.shape.offset(self.from_pixels * at) else { return [0.0; 4] };
         let t = match self.spread {
             SpreadMethod::Pad => t.clamp(0.0, 1.0),

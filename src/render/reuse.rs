@@ -127,7 +127,7 @@ impl Renderer {
                 .map_or(Origin::Rendered, Origin::Copied),
         };
         let settings = self.settings.clone();
-        let plan = |outlines: &Outlines, lists: &BandLists| {
+        let plan = |scene: &Scene, outlines: &Outlines, lists: &BandLists| {
             let prints = tiles::prints(scene, (outlines, lists), viewport, &settings);
             Some(Plan::new(width, prints, by_tiles, shown))
         };

@@ -6,7 +6,8 @@ use super::parts::CUT_ID;
 use super::print::{self, Print};
 use super::raster::{Mask, Raster, RasterGroup, Source};
 use super::{
-    Clip, ClipId, ClipMember, FillRule, Geometry, Group, GroupId, Outline, Scene, Shape, StrokeStyle, Warning,
+    Clip, ClipId, ClipMember, FillRule, Geometry, Group, GroupId, Outline, Role, Scene, Shape, StrokeStyle,
+    Warning,
 };
 use crate::effects::layer::{IntRect, Layer};
 use crate::Error;
@@ -59,6 +60,7 @@ pub(super) fn scene(tree: &usvg::Tree, node: Option<&usvg::Node>) -> Result<Scen
         clips: walk.clips,
         groups: walk.groups,
         prints: Vec::new(),
+        texts: walk.texts,
     })
 }
 
@@ -82,6 +84,7 @@ pub(super) struct Walk {
     printed_clips: HashMap<Print, ClipId>,
     clip_prints: Vec<Print>,
     pub groups: Vec<Group>,
+    pub texts: usize,
     pub warnings: Vec<Warning>,
     /// Shapes and groups before each cut ([`super::parts`]).
     pub cuts: Vec<(usize, usize)>,
@@ -97,7 +100,7 @@ pub(super) struct Walk {
 
 impl Default for Walk {
     fn default() -> Self {
-        let picture = Group { parent: 0, opacity: 1.0 };
+        let picture = Group { parent: 0, opacity: 1.0, role: Role::Paint };
         Walk {
             shapes: Vec::new(),
             clips: Vec::new(),
@@ -105,6 +108,7 @@ impl Default for Walk {
             printed_clips: HashMap::new(),
             clip_prints: Vec::new(),
             groups: vec![picture],
+            texts: 0,
             warnings: Vec::new(),
             cuts: Vec::new(),
             images: HashMap::new(),
@@ -128,7 +132,10 @@ impl Walk {
         match node {
             usvg::Node::Group(group) => self.group(group, place),
             usvg::Node::Path(path) => self.path(path, place),
-            usvg::Node::Text(text) => self.group(text.flattened(), place),
+            usvg::Node::Text(text) => {
+                self.texts += usize::from(text.flattened().has_children());
+                self.group(text.flattened(), place)
+            }
             usvg::Node::Image(image) if image.is_visible() => self.image(image, place),
             usvg::Node::Image(_) => Ok(()),
         }
@@ -159,7 +166,7 @@ impl Walk {
             )));
         }
         let (first_shape, first_group) = (self.shapes.len(), self.groups.len());
-        self.groups.push(Group { parent: place.group, opacity });
+        self.groups.push(Group { parent: place.group, opacity, role: Role::Paint });
         let inside = Place { group: first_group as GroupId, depth: place.depth + 1, ..place };
         group.children().iter().try_for_each(|child| self.node(child, inside))?;
         // A group of one shape is that shape with less opacity: nothing in it can overlap.
@@ -228,6 +235,7 @@ impl Walk {
         let source = Source::Group(Box::new(RasterGroup {
             content,
             filters: group.filters().to_vec(),
+            without_front: false,
             mask,
             blend_mode: group.blend_mode(),
         }));
@@ -273,8 +281,9 @@ impl Walk {
     }
 
     fn into_scene(self) -> Scene {
-        let Walk { shapes, clips, groups, warnings, .. } = self;
-        Scene { size: Size::ZERO, bounding_box: None, warnings, shapes, clips, groups, prints: Vec::new() }
+        let Walk { shapes, clips, groups, texts, warnings, .. } = self;
+        let (size, bounding_box, prints) = (Size::ZERO, None, Vec::new());
+        Scene { size, bounding_box, warnings, shapes, clips, groups, prints, texts }
     }
 
     fn path(&mut self, path: &usvg::Path, place: Place) -> Result<(), Error> {
@@ -378,7 +387,10 @@ impl Walk {
                     }
                 }
                 usvg::Node::Group(group) => self.clip_group(group, transform, clip, members),
-                usvg::Node::Text(text) => self.clip_group(text.flattened(), transform, clip, members),
+                usvg::Node::Text(text) => {
+                    self.texts += usize::from(text.flattened().has_children());
+                    self.clip_group(text.flattened(), transform, clip, members);
+                }
                 usvg::Node::Path(_) | usvg::Node::Image(_) => {}
             }
         }

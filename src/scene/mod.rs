@@ -3,15 +3,19 @@
 //! A scene has no size in pixels: curves stay curves and strokes stay strokes until a picture is
 //! made of them. Shapes are listed back to front, as SVG paints them.
 
+pub mod census;
 pub(crate) mod color_map;
 mod convert;
 pub(crate) mod paint;
 pub(crate) mod parts;
 pub(crate) mod print;
 pub(crate) mod raster;
+pub(crate) mod shader;
+mod unfold;
 
 pub mod load;
 
+pub use census::Census;
 pub use load::{FontSource, Limits};
 
 use crate::Error;
@@ -59,6 +63,8 @@ pub struct Scene {
     pub(crate) groups: Vec<Group>,
     /// Of each shape, if they are known already.
     pub(crate) prints: Vec<print::Print>,
+    /// Texts that became shapes.
+    texts: usize,
 }
 
 /// One flat region of the drawing: a fill or the outline of a stroke.
@@ -176,6 +182,29 @@ pub(crate) struct Group {
     pub parent: GroupId,
     /// 0 ..= 1.
     pub opacity: f32,
+    pub role: Role,
+}
+
+/// How a group meets what is around it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Role {
+    /// Painted over what lies behind it.
+    Paint,
+    /// Blended with what lies behind it in the group around it, which is its backdrop.
+    Blend(usvg::BlendMode),
+    /// Not painted: a mask. Its shapes stand right before those which it masks, seen from the front.
+    Mask(usvg::MaskType),
+    /// Painted as far as the mask with this number shows it. Both have the same parent.
+    Masked(GroupId),
+}
+
+impl Role {
+    pub fn mask_type(self) -> Option<usvg::MaskType> {
+        match self {
+            Role::Mask(kind) => Some(kind),
+            _ => None,
+        }
+    }
 }
 
 impl Scene {
@@ -242,6 +271,12 @@ impl Scene {
             _ => 0,
         };
         self.shapes.iter().map(depth).max().unwrap_or(0)
+    }
+
+    /// The same drawing with masks, blend modes and isolated groups as groups of shapes, for methods that
+    /// composite region by region; `None` when it has none, or has them that way.
+    pub(crate) fn unfolded(&self) -> Option<Scene> {
+        unfold::unfolded(self)
     }
 
     /// Other shapes, with this scene's clips and groups.

@@ -1,13 +1,12 @@
-//! Takes a paint's definition, makes colours: flat, or a gradient's or a layer's colour at a point.
+//! What a shape is painted with, and what colours are in the renderer.
 //!
 //! Colours in the renderer are [`Sheet`]s: premultiplied and sRGB-encoded, with the share of light
 //! that still passes in place of alpha, so that sheets compose front to back.
 
-use super::color_map::ColorMap;
 use super::raster::Raster;
 use crate::effects::layer::Layer;
-use kurbo::{Affine, Point};
-use std::sync::{Arc, OnceLock};
+use kurbo::Affine;
+use std::sync::Arc;
 
 /// A uniform sheet of colour: what it adds, and how much of what lies behind still shows.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -254,7 +253,7 @@ pub(crate) struct Gradient {
     pub stops: Vec<Stop>,
     /// From the gradient's plane to the scene's user units.
     pub transform: Affine,
-    pub(super) opaque: bool,
+    pub opaque: bool,
 }
 
 impl Gradient {
@@ -277,159 +276,8 @@ impl Gradient {
         Some(Paint::Gradient(Box::new(Gradient { shape, spread, stops, transform, opaque })))
     }
 
-    /// Ready to be asked for colours at points in pixels.
-    pub fn shader(&self, to_pixels: Affine) -> GradientShader<'_> {
-        let to_plane = (to_pixels * self.transform).inverse();
-        let to_plane = match self.shape {
-            GradientShape::Linear(map) => map * to_plane,
-            GradientShape::Radial { .. } => to_plane,
-        };
-        GradientShader { gradient: self, to_plane, map: OnceLock::new() }
-    }
-
-    /// The colour map at a parameter already spread into 0 ..= 1: straight RGBA.
-    fn color(&self, t: f32) -> [f32; 4] {
-        let behind = self.stops.partition_point(|stop| stop.offset <= t);
-        let (first, last) = (&self.stops[0], &self.stops[self.stops.len() - 1]);
-        if behind == 0 {
-            return first.color;
-        }
-        if behind == self.stops.len() {
-            return last.color;
-        }
-        let (a, b) = (&self.stops[behind - 1], &self.stops[behind]);
-        let share = (t - a.offset) / (b.offset - a.offset);
-        std::array::from_fn(|i| a.color[i] + (b.color[i] - a.color[i]) * share)
-    }
-}
-
-/// Paint that differs from place to place, at a picture's scale.
-#[derive(Clone, Debug)]
-pub(crate) enum Shader<'a> {
-    Gradient(GradientShader<'a>),
-    /// A layer, moved by whole pixels.
-    Layer(Arc<Layer>, (i32, i32)),
-}
-
-impl Shader<'_> {
-    /// The colour at a point in pixels.
-    #[inline]
-    pub fn at(&self, x: f64, y: f64) -> Sheet {
-        match self {
-            Shader::Gradient(gradient) => gradient.at(x, y),
-            Shader::Layer(layer, (dx, dy)) => {
-                let [r, g, b, alpha] = layer.pixel(x.floor() as i32 - dx, y.floor() as i32 - dy);
-                Sheet::from_channels([r, g, b, 1.0 - alpha])
-            }
-        }
-    }
-
-    /// A sheet that lets no less light through than the paint does anywhere.
-    pub fn least(&self) -> Sheet {
-        match self {
-            Shader::Gradient(gradient) => gradient.least(),
-            Shader::Layer(..) => Sheet::CLEAR,
-        }
-    }
-}
-
-/// A gradient at a picture's scale.
-#[derive(Clone, Debug)]
-pub(crate) struct GradientShader<'a> {
-    gradient: &'a Gradient,
-    /// From pixels to the gradient's plane.
-    to_plane: Affine,
-    /// Made for the first pixel in which the colour map turns.
-    map: OnceLock<ColorMap>,
-}
-
-impl GradientShader<'_> {
-    /// The colour at a point in pixels; clear where a radial gradient has none.
-    pub fn at(&self, x: f64, y: f64) -> Sheet {
-        let Some(t) = self.parameter(self.to_plane * Point::new(x, y)) else {
-            return self.least();
-        };
-        let reach = self.reach(Point::new(x, y), t);
-        if self.turns_within(t - reach, t + reach) {
-            let map = self.map.get_or_init(|| ColorMap::new(&self.gradient.stops, self.gradient.spread));
-            let [r, g, b, alpha] = map.mean(t - reach, t + reach);
-            return Sheet::from_channels([r, g, b, 1.0 - alpha]);
-        }
-        let t = match self.gradient.spread {
-            Spread::Pad => t.clamp(0.0, 1.0),
-            Spread::Repeat => t - t.floor(),
-            Spread::Reflect => 1.0 - ((t * 0.5 - (t * 0.5).floor()) * 2.0 - 1.0).abs(),
-        };
-        let [r, g, b, alpha] = self.gradient.color(t as f32);
-        Sheet::new([r, g, b], alpha)
-    }
-
-    /// A sheet that lets no less light through than the gradient does anywhere.
-    pub fn least(&self) -> Sheet {
-        if self.gradient.opaque {
-            let [r, g, b, _] = self.gradient.color(1.0);
-            Sheet::new([r, g, b], 1.0)
-        } else {
-            Sheet::CLEAR
-        }
-    }
-
-    /// How far the parameter goes to either side within a pixel around a point. The parameter of a
-    /// linear gradient is spread over a pixel as the sum of two even spreads, along x and along y;
-    /// this is half the even spread of the same variance.
-    fn reach(&self, at: Point, t: f64) -> f64 {
-        let (along_x, along_y) = match self.gradient.shape {
-            GradientShape::Linear(_) => {
-                let [a, _, c, ..] = self.to_plane.as_coeffs();
-                (a, c)
-            }
-            GradientShape::Radial { .. } => {
-                let step = |dx: f64, dy: f64| {
-                    let there = self.parameter(self.to_plane * (at + kurbo::Vec2::new(dx, dy)));
-                    2.0 * (there.unwrap_or(t) - t)
-                };
-                (step(0.5, 0.0), step(0.0, 0.5))
-            }
-        };
-        0.5 * along_x.hypot(along_y)
-    }
-
-    /// Has the colour map a stop, or an end, strictly between two parameters?
-    fn turns_within(&self, from: f64, to: f64) -> bool {
-        let (first, last) = match self.gradient.spread {
-            Spread::Pad if to <= 0.0 || from >= 1.0 => return false,
-            Spread::Pad => (from.max(-1.0), to.min(2.0)),
-            // An end of the map lies between.
-            _ if from.floor() < to.floor() => return true,
-            Spread::Repeat => (from - from.floor(), to - from.floor()),
-            Spread::Reflect if from.floor() % 2.0 == 0.0 => (from - from.floor(), to - from.floor()),
-            Spread::Reflect => (1.0 + from.floor() - to, 1.0 + from.floor() - from),
-        };
-        let behind = |t: f64| self.gradient.stops.partition_point(|stop| f64::from(stop.offset) <= t);
-        behind(first) != behind(last)
-    }
-
-    /// The parameter at a point of the gradient's plane: for circles the greatest t with a radius
-    /// of at least 0 whose circle passes through the point (SVG 2, 14.2.3; HTML canvas).
-    fn parameter(&self, p: Point) -> Option<f64> {
-        let GradientShape::Radial { start: (x0, y0, r0), step: (dx, dy, dr) } = self.gradient.shape else {
-            return p.x.is_finite().then_some(p.x);
-        };
-        // |p - start - t (dx, dy)| = r0 + t dr
-        let (px, py) = (p.x - x0, p.y - y0);
-        let a = dx * dx + dy * dy - dr * dr;
-        let half_b = px * dx + py * dy + r0 * dr;
-        let c = px * px + py * py - r0 * r0;
-        let valid = |t: f64| (t.is_finite() && r0 + t * dr >= 0.0).then_some(t);
-        if a.abs() <= 1e-12 * dr * dr {
-            return valid(c / (2.0 * half_b));
-        }
-        let root = half_b * half_b - a * c;
-        if root < 0.0 {
-            return None;
-        }
-        let root = root.sqrt();
-        let (one, other) = ((half_b + root) / a, (half_b - root) / a);
-        valid(one.max(other)).or_else(|| valid(one.min(other)))
+    /// Bytes of the table of its colour map, if one is made.
+    pub fn table_bytes(&self) -> u64 {
+        super::color_map::ColorMap::bytes(self.stops.len())
     }
 }

@@ -230,7 +230,7 @@ pub(crate) fn of_raster(raster: &Raster) -> Print {
 
 fn add_group(print: &mut Print, group: &RasterGroup) {
     print.add_print(of_scene(&group.content));
-    print.add(group.blend_mode as u64);
+    print.add(group.blend_mode as u64 | u64::from(group.without_front) << 8);
     let mut mask = group.mask.as_ref();
     while let Some(Mask { content, rect, kind, within }) = mask {
         print.add(*kind as u64);

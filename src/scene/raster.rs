@@ -1,6 +1,6 @@
 //! What of a drawing is not geometry: groups under filters, masks and blend modes, and patterns. They
 //! are kept as scenes of their own, to be made into layers of pixels at a picture's scale
-//! ([`crate::layers`]).
+//! ([`crate::layers`]), or groups of the scene around them ([`super::unfold`]).
 
 use super::Scene;
 use crate::effects::layer::Layer;
@@ -52,6 +52,8 @@ pub(crate) struct RasterGroup {
     pub content: Scene,
     /// Applied first, one after the other.
     pub filters: Vec<Arc<Filter>>,
+    /// Without what the last filter puts before all else, which is the content as it is.
+    pub without_front: bool,
     pub mask: Option<Mask>,
     /// How it meets what lies below it in its scene.
     pub blend_mode: usvg::BlendMode,

@@ -196,6 +196,7 @@ fn curves(records: &[Record]) -> Vec<(&'static str, String)> {
     let captions = [
         (&["tolerance"][..], "The tolerance at which curves are flattened, in pixels"),
         (&["cap"], "The cap on the recursion: pieces held against regions in one pixel"),
+        (&["spot"], "The width of the spot that gradients are averaged over, in pixels"),
         (&["samples", "samples a side"], "The number of samples (of grid: along one side of the pixel)"),
     ];
     let plot = |(parameters, caption): (&[&str], &'static str)| {

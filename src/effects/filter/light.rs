@@ -3,8 +3,9 @@
 //! distances are pixels, the layer's border has normals of its own.
 
 use super::Job;
-use crate::effects::highlights::Phong;
+use crate::effects::highlights::{Aliasing, Phong};
 use crate::effects::layer::{pixel_of, unit, IntRect, Layer, Pixel, Space};
+use crate::effects::log::LitSurface;
 use kurbo::{Affine, Point};
 use usvg::filter::{DiffuseLighting, LightSource, SpecularLighting};
 
@@ -40,12 +41,24 @@ pub(super) fn diffuse(heights: &Layer, fe: &DiffuseLighting, space: Space, to_pi
     })
 }
 
-/// feSpecularLighting: as opaque as it is bright.
-pub(super) fn specular(heights: &Layer, fe: &SpecularLighting, space: Space, job: &mut Job) -> Layer {
+/// feSpecularLighting, of the filter with this id: as opaque as it is bright.
+pub(super) fn specular(
+    heights: &Layer,
+    fe: &SpecularLighting,
+    space: Space,
+    (filter, job): (&str, &Job),
+) -> Layer {
     let light = Light::new(fe.light_source(), job.to_canvas);
     let surface = Surface::new(heights, fe.surface_scale());
-    if let Some(aliasing) = &mut job.aliasing {
-        aliasing.add(&surface, fe.specular_exponent(), job.highlights);
+    if job.log.is_timed() {
+        let aliasing = Aliasing::of(&surface, fe.specular_exponent(), job.highlights);
+        job.log.lit(LitSurface {
+            filter: filter.to_string(),
+            exponent: fe.specular_exponent(),
+            pixels: surface.rect.area(),
+            aliasing: aliasing.pixels,
+            sampling_rate: aliasing.sampling_rate,
+        });
     }
     let color = pixel_of(fe.lighting_color(), 1.0, space);
     let phong = Phong::new(fe.specular_exponent(), job.highlights);
@@ -83,6 +96,11 @@ fn lit(
 }
 
 /// A height map and its slopes.
+///
+/// SVG's kernels are the plane of least squares through a pixel and its neighbours, weighted 1 2 1 across
+/// and down, at twice its slope: the normal over a spot as Worley has it, not a difference at one point.
+/// Where the heights are an image made smaller they are means already, and the plane is that through all
+/// of the image under the spot.
 pub(in crate::effects) struct Surface {
     rect: IntRect,
     heights: Vec<f32>,
@@ -240,6 +258,87 @@ mod tests {
                 assert!((x + 0.2).abs() < 1e-6 && y.abs() < 1e-6, "{column}, {row}: {x} {y}");
             }
         }
+    }
+
+    /// The slopes of the plane of least squares: normal equations, by Cramer's rule.
+    fn plane(points: &[(f64, f64, f64, f64)]) -> [f64; 2] {
+        // Of weight, x, y and height.
+        let sum = |f: &dyn Fn(f64, f64, f64) -> f64| -> f64 {
+            points.iter().map(|&(weight, x, y, height)| weight * f(x, y, height)).sum()
+        };
+        let (n, x, y) = (sum(&|_, _, _| 1.0), sum(&|x, _, _| x), sum(&|_, y, _| y));
+        let (xx, xy, yy) = (sum(&|x, _, _| x * x), sum(&|x, y, _| x * y), sum(&|_, y, _| y * y));
+        let (h, xh, yh) = (sum(&|_, _, h| h), sum(&|x, _, h| x * h), sum(&|_, y, h| y * h));
+        let determinant = |m: [[f64; 3]; 3]| {
+            let minor = |i: usize, j: usize| m[1][i] * m[2][j] - m[1][j] * m[2][i];
+            m[0][0] * minor(1, 2) - m[0][1] * minor(0, 2) + m[0][2] * minor(0, 1)
+        };
+        let whole = determinant([[n, x, y], [x, xx, xy], [y, xy, yy]]);
+        [
+            determinant([[n, h, y], [x, xh, xy], [y, yh, yy]]) / whole,
+            determinant([[n, x, h], [x, xx, xh], [y, xy, yh]]) / whole,
+        ]
+    }
+
+    #[test]
+    fn the_normal_is_that_of_the_plane_of_least_squares_up_to_the_borders() {
+        let mut layer = Layer::clear(IntRect::new(0, 0, 5, 4), Space::Srgb);
+        for (i, pixel) in layer.pixels_mut().iter_mut().enumerate() {
+            pixel[3] = ((i * 37 + i * i * 11) % 64) as f32 / 64.0;
+        }
+        let surface = Surface::new(&layer, 1.0);
+        for row in 0..4i32 {
+            for column in 0..5i32 {
+                let mut points = Vec::new();
+                for (dx, dy) in (0..9).map(|i| (i % 3 - 1, i / 3 - 1)) {
+                    let (x, y) = (column + dx, row + dy);
+                    if (0..5).contains(&x) && (0..4).contains(&y) {
+                        let weight = f64::from((2 - dx.abs()) * (2 - dy.abs()));
+                        points.push((weight, x.into(), y.into(), layer.pixel(x, y)[3].into()));
+                    }
+                }
+                let [x, y] = surface.lean(column as usize, row as usize).map(f64::from);
+                let [right, down] = plane(&points);
+                let off = (x + 2.0 * right).abs().max((y + 2.0 * down).abs());
+                assert!(off < 1e-5, "{column}, {row}: {x} {y}, not twice {right} {down}");
+            }
+        }
+    }
+
+    #[test]
+    fn over_a_minified_height_map_the_normal_is_that_of_all_heights_under_the_spot() {
+        // A slope with ridges of 3 texels on it, 16 texels a pixel.
+        const TEXELS: usize = 16;
+        let side = 8 * TEXELS;
+        let height = |x: usize, y: usize| {
+            0.1 + 0.7 * x as f64 / side as f64 + 0.1 * ((x + 2 * y) % 3) as f64
+                - 0.05 * y as f64 / side as f64
+        };
+        let mut image = Layer::clear(IntRect::new(0, 0, side as u32, side as u32), Space::Srgb);
+        for (i, pixel) in image.pixels_mut().iter_mut().enumerate() {
+            pixel[3] = height(i % side, i / side) as f32;
+        }
+        let small = IntRect::new(0, 0, 8, 8);
+        let heights = crate::texture::drawn(&image, Affine::scale(1.0 / TEXELS as f64), small, false);
+        let surface = Surface::new(&heights, 1.0);
+        let (column, row) = (4usize, 3usize);
+        // All texels under the 3 x 3 pixels, each with its pixel's weight.
+        let mut points = Vec::new();
+        for (x, y) in (0..9 * TEXELS * TEXELS).map(|i| (i % (3 * TEXELS), i / (3 * TEXELS))) {
+            let weight = |at: usize| if at / TEXELS == 1 { 2.0 } else { 1.0 };
+            let (left, top) = ((column - 1) * TEXELS, (row - 1) * TEXELS);
+            let middle = |at: usize| (at as f64 + 0.5) / TEXELS as f64;
+            points.push((weight(x) * weight(y), middle(x), middle(y), height(left + x, top + y)));
+        }
+        let [right, down] = plane(&points);
+        let [x, y] = surface.lean(column, row).map(f64::from);
+        println!("leans {x:.4} {y:.4}, twice the plane's slope {:.4} {:.4}", -2.0 * right, -2.0 * down);
+        assert!((x + 2.0 * right).abs() < 0.01 * 2.0 * right.abs(), "{x}, not twice {right}");
+        assert!((y + 2.0 * down).abs() < 0.01 * 2.0 * right.abs(), "{y}, not twice {down}");
+        // A difference at one point sees the ridge it stands on.
+        let (fine_x, fine_y) = (column * TEXELS + 8, row * TEXELS + 8);
+        let difference = (height(fine_x + 1, fine_y) - height(fine_x - 1, fine_y)) * TEXELS as f64 / 2.0;
+        assert!((difference - right).abs() > 5.0 * right, "{difference} is not as good as {right}");
     }
 
     #[test]

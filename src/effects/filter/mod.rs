@@ -11,6 +11,7 @@
 //! | `displace` | feDisplacementMap, feTile |
 //! | `light` | feDiffuseLighting, feSpecularLighting |
 //! | `morphology` | feMorphology |
+//! | [`pointwise`] | filters that need no pixels, or not for what they filter |
 //! | `turbulence` | feTurbulence |
 //! | `lines` | rows and columns for what works along one axis |
 //!
@@ -27,14 +28,16 @@ mod displace;
 pub(super) mod light;
 mod lines;
 mod morphology;
+pub(crate) mod pointwise;
 pub(crate) mod region;
 mod turbulence;
 
 #[cfg(test)]
 mod tests;
 
-use crate::effects::highlights::{Aliasing, Highlights};
+use crate::effects::highlights::Highlights;
 use crate::effects::layer::{pixel_of, IntRect, Layer, Pixel, Space};
+use crate::effects::log::Log;
 use crate::Error;
 use kurbo::{Affine, Rect};
 use region::{pixels_of, scales, LAST_BITS};
@@ -52,8 +55,12 @@ pub(crate) struct Job<'a> {
     /// From the group's user units to the canvas ([`region::Canvas::to_canvas`]).
     pub to_canvas: Affine,
     pub highlights: Highlights,
+    /// Leave out what [`pointwise::has_source_in_front`] tells of: it is painted otherwise.
+    pub without_front: bool,
     /// Where there is one, what aliases of the highlights, were they drawn as they are, is added to it.
-    pub aliasing: Option<Aliasing>,
+    /// Tables over noise are averaged over a pixel ([`crate::Settings::index_aa`]).
+    pub index_aa: bool,
+    pub log: &'a Log,
     pub draw: &'a mut DrawContent<'a>,
 }
 
@@ -73,7 +80,7 @@ pub(crate) fn apply(
 ) -> Result<Layer, Error> {
     affordable(filters, regions)?;
     for (filter, &region) in filters.iter().zip(regions) {
-        layer = Run::new(filter, region, &layer).run(job)?;
+        layer = Run::new(filter, region, layer).run(job)?;
     }
     Ok(layer.into_space(Space::Srgb))
 }
@@ -84,8 +91,7 @@ pub(crate) fn apply(
 /// [`Error::Limit`] when a filter would hold too many pixels.
 pub(crate) fn affordable(filters: &[Arc<Filter>], regions: &[IntRect]) -> Result<(), Error> {
     for (filter, region) in filters.iter().zip(regions) {
-        let (_, last_use) = origins_and_last_use(filter.primitives());
-        let held = region.area().saturating_mul(most_layers(&last_use) as u64);
+        let held = held_pixels(filter, *region);
         if held > MOST_PIXELS_HELD {
             return Err(Error::Limit(format!(
                 "the filter '{}' has to hold {held} pixels at once, more than {MOST_PIXELS_HELD} \
@@ -95,6 +101,42 @@ pub(crate) fn affordable(filters: &[Arc<Filter>], regions: &[IntRect]) -> Result
         }
     }
     Ok(())
+}
+
+/// Pixels that a filter holds at once, at most.
+pub(crate) fn held_pixels(filter: &Filter, region: IntRect) -> u64 {
+    let (_, last_use) = origins_and_last_use(filter.primitives());
+    region.area().saturating_mul(most_layers(&last_use) as u64)
+}
+
+/// The primitives of a filter that are run, by name, in order.
+pub(crate) fn passes(filter: &Filter) -> Vec<&'static str> {
+    let (origins, _) = origins_and_last_use(filter.primitives());
+    let run = filter.primitives().iter().zip(&origins).filter(|(_, origins)| origins.is_some());
+    run.map(|(primitive, _)| name(primitive.kind())).collect()
+}
+
+/// What SVG calls a primitive.
+fn name(kind: &Kind) -> &'static str {
+    match kind {
+        Kind::Blend(_) => "feBlend",
+        Kind::ColorMatrix(_) => "feColorMatrix",
+        Kind::ComponentTransfer(_) => "feComponentTransfer",
+        Kind::Composite(_) => "feComposite",
+        Kind::ConvolveMatrix(_) => "feConvolveMatrix",
+        Kind::DiffuseLighting(_) => "feDiffuseLighting",
+        Kind::DisplacementMap(_) => "feDisplacementMap",
+        Kind::DropShadow(_) => "feDropShadow",
+        Kind::Flood(_) => "feFlood",
+        Kind::GaussianBlur(_) => "feGaussianBlur",
+        Kind::Image(_) => "feImage",
+        Kind::Merge(_) => "feMerge",
+        Kind::Morphology(_) => "feMorphology",
+        Kind::Offset(_) => "feOffset",
+        Kind::SpecularLighting(_) => "feSpecularLighting",
+        Kind::Tile(_) => "feTile",
+        Kind::Turbulence(_) => "feTurbulence",
+    }
 }
 
 /// What a primitive made.
@@ -129,13 +171,13 @@ struct Run<'a> {
 }
 
 impl<'a> Run<'a> {
-    fn new(filter: &'a Filter, region: IntRect, source: &Layer) -> Run<'a> {
+    fn new(filter: &'a Filter, region: IntRect, source: Layer) -> Run<'a> {
         let primitives = filter.primitives();
         let (origins, last_use) = origins_and_last_use(primitives);
         Run {
             filter,
             region,
-            source: Rc::new(source.over_rect(region)),
+            source: Rc::new(source.into_rect(region)),
             source_alpha: None,
             origins,
             last_use,
@@ -150,7 +192,8 @@ impl<'a> Run<'a> {
         }
         for (number, primitive) in filter.primitives().iter().enumerate() {
             if self.origins[number].is_some() {
-                let made = self.primitive(number, primitive, job)?;
+                let log = job.log;
+                let made = log.run(name(primitive.kind()), || self.primitive(number, primitive, job))?;
                 self.results[number] = Some(made);
             }
         }
@@ -195,7 +238,10 @@ impl<'a> Run<'a> {
                 self.input_in(number, 0, space),
                 sized(fe.std_dev_x().get(), fe.std_dev_y().get()),
             ),
-            Kind::DropShadow(fe) => self.drop_shadow(fe, number, space, (sx, sy)),
+            Kind::DropShadow(fe) => {
+                let shown = !(job.without_front && number + 1 == self.origins.len());
+                self.drop_shadow(fe, number, space, (sx, sy), shown)
+            }
             Kind::Offset(fe) => self.offset(number, sized(fe.dx(), fe.dy())),
             Kind::Flood(fe) => {
                 let color = pixel_of(fe.color(), fe.opacity().get(), Space::Srgb);
@@ -211,13 +257,19 @@ impl<'a> Run<'a> {
             }
             Kind::Merge(fe) => {
                 let mut merged = Layer::clear(self.region, space);
-                for i in 0..fe.inputs().len() {
+                let is_cut = job.without_front && number + 1 == self.origins.len();
+                for i in 0..fe.inputs().len() - usize::from(is_cut) {
                     merged = combine::merged(&self.input_in(number, i, space), merged);
                 }
                 merged
             }
             Kind::ColorMatrix(fe) => color::matrix(self.input_in(number, 0, space), fe.kind()),
-            Kind::ComponentTransfer(fe) => color::transfer(self.input_in(number, 0, space), fe),
+            Kind::ComponentTransfer(fe) => match self.noise_corners(number, space, job) {
+                None => color::transfer(self.input_in(number, 0, space), fe),
+                Some((corners, within)) => {
+                    color::transfer_over_spots(self.input_in(number, 0, space), &corners, fe, within)
+                }
+            },
             Kind::ConvolveMatrix(fe) => {
                 // Its edges are those of the subregion.
                 let within = self.input_in(number, 0, space).over_rect(subregion.intersect(self.region));
@@ -242,7 +294,9 @@ impl<'a> Run<'a> {
                 turbulence::noise(fe, space, self.region, to_canvas, user_rect(primitive))
             }
             Kind::DiffuseLighting(fe) => light::diffuse(&self.input(number, 0).layer, fe, space, to_canvas),
-            Kind::SpecularLighting(fe) => light::specular(&self.input(number, 0).layer, fe, space, job),
+            Kind::SpecularLighting(fe) => {
+                light::specular(&self.input(number, 0).layer, fe, space, (self.filter.id(), job))
+            }
             Kind::Image(fe) => self.image(fe, subregion, job)?,
         })
     }
@@ -282,6 +336,37 @@ impl<'a> Run<'a> {
         (self.input_in(number, 0, space), self.input_in(number, 1, space))
     }
 
+    /// If index anti-aliasing is asked for and the input is noise, recoloured perhaps: the same at the
+    /// corners of pixels, and where it has not been cut off.
+    fn noise_corners(&self, number: usize, space: Space, job: &Job) -> Option<(Layer, IntRect)> {
+        if !job.index_aa {
+            return None;
+        }
+        let primitives = self.filter.primitives();
+        let mut recolouring = Vec::new();
+        let mut within = self.region;
+        let mut at = number;
+        loop {
+            let &[Origin::Result(of)] = self.origins(at) else { return None };
+            let primitive = &primitives[of];
+            let own_space = Space::from(primitive.color_interpolation());
+            within = within.intersect(pixels_of(primitive.rect(), job.to_canvas));
+            match primitive.kind() {
+                Kind::ColorMatrix(fe) => recolouring.push((fe, own_space)),
+                Kind::Turbulence(fe) => {
+                    let tile = user_rect(primitive);
+                    let mut corners = turbulence::corners(fe, own_space, self.region, job.to_canvas, tile);
+                    for (fe, space) in recolouring.into_iter().rev() {
+                        corners = color::matrix(corners.into_space(space), fe.kind());
+                    }
+                    return Some((corners.into_space(space), within));
+                }
+                _ => return None,
+            }
+            at = of;
+        }
+    }
+
     fn offset(&mut self, number: usize, (dx, dy): (f64, f64)) -> Layer {
         let input = self.input(number, 0).layer;
         match (whole(dx), whole(dy)) {
@@ -290,7 +375,15 @@ impl<'a> Run<'a> {
         }
     }
 
-    fn drop_shadow(&mut self, fe: &DropShadow, number: usize, space: Space, (sx, sy): (f64, f64)) -> Layer {
+    /// The shadow, and what casts it if that is shown.
+    fn drop_shadow(
+        &mut self,
+        fe: &DropShadow,
+        number: usize,
+        space: Space,
+        (sx, sy): (f64, f64),
+        shown: bool,
+    ) -> Layer {
         let input = self.input_in(number, 0, space);
         let deviations = (f64::from(fe.std_dev_x().get()) * sx, f64::from(fe.std_dev_y().get()) * sy);
         let mut shadow = blur::gaussian(input.alpha(), deviations);
@@ -299,7 +392,12 @@ impl<'a> Run<'a> {
             *pixel = color.map(|v| v * pixel[3]);
         }
         let (dx, dy) = (whole(f64::from(fe.dx()) * sx), whole(f64::from(fe.dy()) * sy));
-        combine::merged(&input, shadow.moved_over_rect(dx, dy, self.region))
+        let moved = shadow.moved_over_rect(dx, dy, self.region);
+        if shown {
+            combine::merged(&input, moved)
+        } else {
+            moved
+        }
     }
 
     fn image(&mut self, fe: &Image, subregion: IntRect, job: &mut Job) -> Result<Layer, Error> {
@@ -310,7 +408,7 @@ impl<'a> Run<'a> {
             return Ok(Layer::clear(self.region, Space::Srgb));
         }
         let drawn = (job.draw)(fe.root(), Affine::new([sx, 0.0, 0.0, sy, x, y]), over)?;
-        Ok(drawn.over_rect(self.region))
+        Ok(drawn.into_rect(self.region))
     }
 }
 

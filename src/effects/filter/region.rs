@@ -54,7 +54,8 @@ impl Canvas {
     /// A layer of the canvas, seen in the picture's rectangle.
     pub fn shown(&self, layer: Layer, picture: IntRect) -> Layer {
         if self.to_picture == Affine::IDENTITY {
-            layer.over_rect(layer.rect().intersect(picture))
+            let shown = layer.rect().intersect(picture);
+            layer.into_rect(shown)
         } else {
             let covered = IntRect::around(self.to_picture.transform_rect_bbox(layer.rect().to_rect()));
             layer.resampled(self.to_picture, covered.grown(1, 1).intersect(picture))

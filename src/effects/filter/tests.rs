@@ -74,7 +74,15 @@ fn filtered_by_us(svg: &str, source: Layer, highlights: Highlights) -> Result<La
     let transform = Affine::new([t.sx, t.ky, t.kx, t.sy, t.tx, t.ty].map(f64::from));
     let canvas = Canvas::new(transform).unwrap();
     let regions = regions(group.filters(), canvas.to_canvas, canvas.rect_of(picture));
-    let mut job = Job { to_canvas: canvas.to_canvas, highlights, aliasing: None, draw: &mut draw_by_resvg };
+    let log = Log::default();
+    let mut job = Job {
+        to_canvas: canvas.to_canvas,
+        highlights,
+        without_front: false,
+        index_aa: false,
+        log: &log,
+        draw: &mut draw_by_resvg,
+    };
     let layer = apply(group.filters(), &regions, source, &mut job)?;
     Ok(canvas.shown(layer, picture).over_rect(picture))
 }
@@ -223,7 +231,9 @@ fn results_that_nobody_looks_at_are_not_made() {
     let mut job = Job {
         to_canvas: Affine::IDENTITY,
         highlights: Highlights::AsIs,
-        aliasing: None,
+        without_front: false,
+        index_aa: false,
+        log: &Log::default(),
         draw: &mut |_, _, _| panic!("the image is not called for"),
     };
     let source = Layer::filled(region, Space::Srgb, [0.5, 0.2, 0.1, 0.6]);
@@ -241,18 +251,23 @@ fn aliasing_is_detected_and_its_cure_told() {
         let filters = first_filtered(tree.root()).unwrap().filters().to_vec();
         let source = by_resvg(&drawing(SRGB, &primitive, SHAPES, false));
         let region = IntRect::new(0, 0, SIZE, SIZE);
+        let log = Log::new(true);
         let mut job = Job {
             to_canvas: Affine::IDENTITY,
             highlights: Highlights::Clamp,
-            aliasing: Some(Aliasing::default()),
+            without_front: false,
+            index_aa: false,
+            log: &log,
             draw: &mut draw_by_resvg,
         };
         apply(&filters, &[region], Layer::from_rgba8(region, &source), &mut job).unwrap();
-        job.aliasing.unwrap()
+        let entries = log.into_entries();
+        assert_eq!((entries.effects[0].name, entries.effects[0].runs), ("feSpecularLighting", 1));
+        entries.lit[0].clone()
     };
-    assert_eq!(lit(1), Aliasing::default());
+    assert_eq!((lit(1).aliasing, lit(1).sampling_rate), (0, 0.0));
     let found = lit(100);
-    assert!(found.pixels > 100 && found.pixels < 1500 && found.sampling_rate > 10.0, "{found:?}");
+    assert!(found.aliasing > 100 && found.aliasing < 1500 && found.sampling_rate > 10.0, "{found:?}");
 }
 
 #[test]
@@ -477,7 +492,9 @@ fn too_large_a_filter_is_refused() {
     let mut job = Job {
         to_canvas: Affine::IDENTITY,
         highlights: Highlights::AsIs,
-        aliasing: None,
+        without_front: false,
+        index_aa: false,
+        log: &Log::default(),
         draw: &mut draw_by_resvg,
     };
     let region = IntRect::new(0, 0, 20_000, 20_000);

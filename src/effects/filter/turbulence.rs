@@ -25,6 +25,18 @@ pub(super) fn noise(fe: &Turbulence, space: Space, rect: IntRect, to_pixels: Aff
     layer
 }
 
+/// The noise half a pixel up and left of where [`noise`] looks, over one column and one row more: the
+/// corners of a spot around each of its points.
+pub(super) fn corners(fe: &Turbulence, space: Space, rect: IntRect, to_pixels: Affine, tile: Rect) -> Layer {
+    let rect = IntRect::from_edges(
+        rect.x().into(),
+        rect.y().into(),
+        i64::from(rect.right()) + 1,
+        i64::from(rect.bottom()) + 1,
+    );
+    noise(fe, space, rect, Affine::translate((0.5, 0.5)) * to_pixels, tile)
+}
+
 /// Octaves beyond these add less than a millionth.
 const MOST_OCTAVES: u32 = 20;
 

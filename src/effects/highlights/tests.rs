@@ -25,6 +25,33 @@ fn the_aggressive_cycles_follow_the_binomial_distribution() {
 }
 
 #[test]
+fn the_aggressive_cycles_hold_nearly_all_power_of_the_lobe_as_it_is_seen() {
+    // The highlight is dark on the far side, where cos^n may not be: one lobe a turn, by its samples. Below
+    // an exponent of 5 the lobe's cut-off end has frequencies of its own.
+    const SAMPLES: usize = 2048;
+    for n in [5u32, 10, 33, 128] {
+        let lobe: Vec<f64> = (0..SAMPLES)
+            .map(|i| libm::cos(i as f64 / SAMPLES as f64 * std::f64::consts::TAU).max(0.0).powi(n as i32))
+            .collect();
+        let total = lobe.iter().map(|v| v * v).sum::<f64>() * SAMPLES as f64;
+        // The lobe is even: cosines alone.
+        let amplitude = |k: usize| -> f64 {
+            let turn = |i: usize| (i * k % SAMPLES) as f64 / SAMPLES as f64 * std::f64::consts::TAU;
+            lobe.iter().enumerate().map(|(i, v)| v * libm::cos(turn(i))).sum()
+        };
+        let cycles = Band::Aggressive.cycles(n as f32);
+        let power = |k: usize| amplitude(k).powi(2) * if k == 0 { 1.0 } else { 2.0 };
+        let kept = (0..=cycles.ceil() as usize).map(power).sum::<f64>() / total;
+        assert!(kept > 0.998, "{kept} of the power of {n} lies within {cycles} cycles");
+        let fewer = (0..=(0.75 * cycles) as usize).map(power).sum::<f64>() / total;
+        assert!(
+            n < 10 || fewer < 0.998,
+            "{fewer} of the power of {n} lies within three quarters of {cycles}"
+        );
+    }
+}
+
+#[test]
 fn what_is_clamped_is_sampled_enough() {
     for band in [Band::Conservative, Band::Aggressive] {
         for radians in [0.02, 0.1, 0.3, 0.9, 2.0] {
@@ -44,8 +71,9 @@ fn energies_are_those_of_the_sphere() {
         let product = energy(n) * energy(n + 1.0) * (n + 1.0) / (2.0 * std::f32::consts::PI);
         assert!((product - 1.0).abs() < 2e-3, "{n}: {product}");
     }
+    // Seen foreshortened: one more cosine.
     let ratio = energy_ratio(60.0, 20.0, 20.0);
-    assert!((ratio - 21.0 / 61.0).abs() < 1e-3, "{ratio}");
+    assert!((ratio - 22.0 / 62.0).abs() < 1e-3, "{ratio}");
 }
 
 /// A cylinder of this radius in pixels along y, its axis at `middle`.
@@ -64,8 +92,8 @@ fn cylinder(radius: f32, middle: f32, width: usize) -> Surface {
 
 /// The middle row's energy over all places of a cylinder's axis within a pixel: mean, and least and
 /// greatest as shares of it.
-fn energies(highlights: Highlights, radius: f32, exponent: f32, tilt: f32) -> (f32, f32, f32) {
-    let halfway = normalized([0.25, tilt, 1.0]);
+fn energies(highlights: Highlights, radius: f32, exponent: f32, (lean, tilt): (f32, f32)) -> (f32, f32, f32) {
+    let halfway = normalized([lean, tilt, 1.0]);
     let phong = Phong::new(exponent, highlights);
     let sums: Vec<f32> = (0..16)
         .map(|phase| {
@@ -79,21 +107,75 @@ fn energies(highlights: Highlights, radius: f32, exponent: f32, tilt: f32) -> (f
 }
 
 #[test]
-fn a_clamped_cylinder_keeps_its_energy_and_does_not_flicker() {
-    for (radius, exponent) in [(4.0, 100.0), (6.0, 128.0), (8.0, 100.0)] {
-        for tilt in [0.0, 0.1] {
-            let (aliased, least, most) = energies(Highlights::AsIs, radius, exponent, tilt);
-            let (clamped, least_clamped, most_clamped) = energies(Highlights::Clamp, radius, exponent, tilt);
-            println!(
-                "radius {radius} exponent {exponent} tilt {tilt}: flicker {:.3} -> {:.4}, energy {:.4}",
-                most - least,
-                most_clamped - least_clamped,
-                clamped / aliased
-            );
-            assert!((clamped / aliased - 1.0).abs() < 0.02, "{clamped} of {aliased}");
-            assert!(most_clamped - least_clamped <= most - least + 0.005);
-            assert!(most_clamped - least_clamped < 0.02);
+fn a_clamped_cylinder_keeps_its_energy_and_flickers_less() {
+    for highlights in [Highlights::Clamp, Highlights::Aggressive] {
+        let mut worst = 0.0f32;
+        for radius in [2.0, 3.0, 4.0, 6.0, 8.0] {
+            for exponent in [32.0, 100.0, 128.0] {
+                for light in [(0.0, 0.0), (0.25, 0.0), (0.25, 0.1), (0.1, 0.3)] {
+                    let (aliased, least, most) = energies(Highlights::AsIs, radius, exponent, light);
+                    let (clamped, least_clamped, most_clamped) =
+                        energies(highlights, radius, exponent, light);
+                    let (energy, flicker) = (clamped / aliased, most_clamped - least_clamped);
+                    println!(
+                        "{highlights:?} radius {radius} exponent {exponent} light {light:?}: flicker {:.4} -> \
+                         {flicker:.4}, energy {energy:.4}",
+                        most - least
+                    );
+                    worst = worst.max((energy - 1.0).abs());
+                    assert!(flicker <= (0.2 * (most - least)).max(0.02), "{flicker} was {}", most - least);
+                }
+            }
         }
+        println!("{highlights:?}: energy within {worst:.4}");
+        assert!(worst < 0.02, "{highlights:?}: {worst}");
+    }
+}
+
+/// The share of a cylinder's highlight, across it, whose frequencies are above half a cycle a pixel: what
+/// comes back as something else, wherever the pixels fall. The cylinder is moved under them in 16 steps.
+fn aliasing_share(highlights: Highlights, radius: f32, exponent: f32) -> f64 {
+    const PIXELS: usize = 33;
+    const STEPS: usize = 16;
+    let halfway = normalized([0.25, 0.0, 1.0]);
+    let phong = Phong::new(exponent, highlights);
+    let mut profile = vec![0.0; PIXELS * STEPS];
+    for step in 0..STEPS {
+        let surface = cylinder(radius, 16.0 + (STEPS - 1 - step) as f32 / STEPS as f32, PIXELS);
+        for column in 0..PIXELS {
+            profile[column * STEPS + step] = f64::from(phong.at(&surface, column, 1, halfway));
+        }
+    }
+    let count = profile.len() as f64;
+    let total: f64 = profile.iter().map(|v| v * v).sum::<f64>() * count;
+    // Frequency k is k cycles in all of the pixels.
+    let power = |k: usize| {
+        let turn = |i: usize| (i * k) as f64 / count * std::f64::consts::TAU;
+        let part = |f: fn(f64) -> f64| profile.iter().enumerate().map(|(i, v)| v * f(turn(i))).sum::<f64>();
+        let (even, odd) = (part(libm::cos), part(libm::sin));
+        even * even + odd * odd
+    };
+    let kept = power(0) + 2.0 * (1..=PIXELS / 2).map(power).sum::<f64>();
+    1.0 - kept / total
+}
+
+#[test]
+fn next_to_no_energy_aliases_of_a_clamped_highlight() {
+    println!("| radius | exponent | as-is | clamp | aggressive | supersample |");
+    for (radius, exponent) in [(2.0, 128.0), (3.0, 128.0), (4.0, 128.0), (6.0, 128.0), (4.0, 32.0)] {
+        let share = |highlights| aliasing_share(highlights, radius, exponent);
+        let (as_is, clamp) = (share(Highlights::AsIs), share(Highlights::Clamp));
+        let (aggressive, supersample) = (share(Highlights::Aggressive), share(Highlights::Supersample));
+        println!(
+            "| {radius} | {exponent} | {:.3}% | {:.3}% | {:.3}% | {:.3}% |",
+            100.0 * as_is,
+            100.0 * clamp,
+            100.0 * aggressive,
+            100.0 * supersample
+        );
+        assert!(clamp < 0.005 && aggressive < 0.01 && supersample <= 0.5 * as_is, "{radius}");
+        // Pixels that see more of the cylinder than a quarter turn have no limit left to keep.
+        assert!(radius < 3.0 || clamp < 0.0005 && aggressive < 0.003, "{clamp} {aggressive}");
     }
 }
 
@@ -135,24 +217,8 @@ fn a_clamped_cone_keeps_its_energy_and_flickers_less() {
             most_clamped - least_clamped,
             clamped / aliased
         );
-        assert!((clamped / aliased - 1.0).abs() < 0.025, "{highlights:?}: {clamped} of {aliased}");
+        assert!((clamped / aliased - 1.0).abs() < 0.02, "{highlights:?}: {clamped} of {aliased}");
         assert!(most_clamped - least_clamped < (most - least) * 0.6);
-    }
-}
-
-#[test]
-fn the_aggressive_clamp_still_quiets_a_thin_cylinder() {
-    for (radius, exponent) in [(2.0, 128.0), (3.0, 128.0), (4.0, 100.0)] {
-        let (aliased, least, most) = energies(Highlights::AsIs, radius, exponent, 0.0);
-        let (clamped, least_clamped, most_clamped) = energies(Highlights::Aggressive, radius, exponent, 0.0);
-        println!(
-            "aggressive radius {radius} exponent {exponent}: flicker {:.4} -> {:.4}, energy {:.4}",
-            most - least,
-            most_clamped - least_clamped,
-            clamped / aliased
-        );
-        assert!((most_clamped - least_clamped) < (most - least) * 0.12);
-        assert!((clamped / aliased - 1.0).abs() < 0.05);
     }
 }
 
@@ -178,8 +244,8 @@ fn the_aggressive_clamp_leaves_more_alone() {
 
 #[test]
 fn supersampling_comes_near_the_true_energy() {
-    let (aliased, ..) = energies(Highlights::AsIs, 4.0, 100.0, 0.0);
-    let (sampled, least, most) = energies(Highlights::Supersample, 4.0, 100.0, 0.0);
+    let (aliased, ..) = energies(Highlights::AsIs, 4.0, 100.0, (0.25, 0.0));
+    let (sampled, least, most) = energies(Highlights::Supersample, 4.0, 100.0, (0.25, 0.0));
     println!("supersampled energy {:.4}, flicker {:.4}", sampled / aliased, most - least);
     assert!((sampled / aliased - 1.0).abs() < 0.05 && most - least < 0.05);
 }

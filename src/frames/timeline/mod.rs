@@ -160,6 +160,17 @@ impl Timeline {
         self.smil.places().next().is_some() || self.css.places().next().is_some()
     }
 
+    /// What moves: each attribute or property, and of how many elements.
+    pub fn moving(&self) -> BTreeMap<String, usize> {
+        let places: BTreeSet<(Element, Name)> =
+            self.smil.places().cloned().chain(self.css.places()).collect();
+        let mut moving = BTreeMap::new();
+        for (_, Name::Attribute(name) | Name::Property(name)) in places {
+            *moving.entry(name).or_default() += 1;
+        }
+        moving
+    }
+
     /// What of the animation is not evaluated, in words; `None` if all is.
     pub fn not_evaluated(&self) -> Option<String> {
         let Unevaluated(list) = &self.unevaluated;

@@ -23,7 +23,8 @@ use self::contours::contours;
 use self::region::{Region, Work};
 use self::sums::Sums;
 use crate::edges::ONE;
-use crate::scene::paint::{Paint, Shader, Sheet};
+use crate::scene::paint::{Paint, Sheet};
+use crate::scene::shader::{GradientShader, Shader};
 use crate::scene::{ClipId, FillRule, Geometry, GroupId, Outline, Scene};
 use crate::{Error, Settings, Viewport};
 use std::collections::HashMap;
@@ -85,7 +86,10 @@ pub(super) fn paint(
     let background = settings.background.map_or(Sheet::CLEAR, sheet_of);
     let shader = |paint| match paint {
         &Paint::Flat(_) => None,
-        Paint::Gradient(gradient) => Some(Shader::Gradient(gradient.shader(viewport.transform))),
+        Paint::Gradient(gradient) => {
+            let shader = GradientShader::new(gradient, viewport.transform, settings.spot_scale);
+            Some(Shader::Gradient(Box::new(shader)))
+        }
         Paint::Raster(_) | Paint::Layer(..) => unreachable!("refused above"),
     };
     let shaders: Vec<Option<Shader>> = scene.shapes.iter().map(|shape| shader(&shape.paint)).collect();

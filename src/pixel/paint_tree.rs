@@ -1,0 +1,270 @@
+//! Takes what lies over one region of a pixel, front to back, makes the region's colour: sheets go over
+//! one another, and groups fade, mask and blend as wholes.
+//!
+//! A list is flat, with marks where groups start and end:
+//!
+//! | group | in the list, front to back | gives |
+//! |---|---|---|
+//! | faded | start, content, end | the content at less opacity |
+//! | masked | start, mask, middle, content, end | the content times what the mask shows |
+//! | blended | start, source, end, backdrop | the source blended with all behind it in the group around it |
+//!
+//! A blended group's backdrop ends where the group around it does, and needs no mark.
+
+use super::resolve::NEGLIGIBLE;
+use crate::effects::blend;
+use crate::effects::mask;
+use crate::scene::paint::Sheet;
+use usvg::{BlendMode, MaskType};
+
+/// How a group meets what is around it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Composite {
+    /// Of the group as a whole, 0 ..= 1.
+    pub opacity: f32,
+    pub effect: Effect,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Effect {
+    /// Painted over what lies behind it.
+    Fade,
+    /// What comes before the middle is the mask.
+    Mask(MaskType),
+    Blend(BlendMode),
+}
+
+impl Composite {
+    pub fn faded(opacity: f32) -> Composite {
+        Composite { opacity, effect: Effect::Fade }
+    }
+}
+
+/// A mask's share of what it masks, 0 ..= 1.
+pub(crate) fn shown(kind: MaskType, mask: Sheet) -> f32 {
+    let [r, g, b, through] = mask.channels();
+    mask::shown(kind, [r, g, b, 1.0 - through])
+}
+
+/// The sheet that stands for a blended source and all that lies behind it in its group; `background` is
+/// what will be put behind that, if it is part of the backdrop.
+pub(crate) fn blended(mode: BlendMode, source: Sheet, behind: Sheet, background: Sheet) -> Sheet {
+    if source.through() >= 1.0 {
+        return behind;
+    }
+    let pixel = |sheet: Sheet| {
+        let [r, g, b, through] = sheet.channels();
+        [r, g, b, 1.0 - through]
+    };
+    let own = blend::own_color(mode, pixel(source), pixel(behind.over(background)));
+    Sheet::from_channels([own[0], own[1], own[2], source.through()]).over(behind)
+}
+
+/// A group that is open.
+#[derive(Clone, Copy, Debug)]
+struct Open {
+    /// What stands in front of it.
+    before: Sheet,
+    part: Part,
+    /// Nothing in it can be seen.
+    hidden: bool,
+    /// Was `before` vague?
+    vague: bool,
+}
+
+/// Which part of a group is being painted.
+#[derive(Clone, Copy, Debug)]
+enum Part {
+    Content(Composite),
+    /// What a mask shows; `None` when that is not known yet.
+    Masked(Option<f32>),
+    /// Behind a blended source.
+    Backdrop(BlendMode, Sheet),
+}
+
+/// Composites one region after the other.
+#[derive(Debug)]
+pub(crate) struct PaintTree {
+    front: Sheet,
+    /// Does `front` stand in for a colour that is not known yet?
+    vague: bool,
+    open: Vec<Open>,
+}
+
+impl Default for PaintTree {
+    fn default() -> Self {
+        PaintTree::behind(Sheet::CLEAR)
+    }
+}
+
+impl PaintTree {
+    /// Behind a sheet.
+    pub fn behind(front: Sheet) -> PaintTree {
+        PaintTree { front, vague: false, open: Vec::new() }
+    }
+
+    /// Starts anew.
+    #[inline]
+    pub fn clear(&mut self) {
+        (self.front, self.vague) = (Sheet::CLEAR, false);
+        self.open.clear();
+    }
+
+    /// Would nothing be seen of what comes next?
+    #[inline]
+    pub fn is_hidden(&self) -> bool {
+        self.front.through() < NEGLIGIBLE || self.open.last().is_some_and(|open| open.hidden)
+    }
+
+    /// Would nothing be seen of whatever comes?
+    #[inline]
+    pub fn is_done(&self) -> bool {
+        self.front.through() < NEGLIGIBLE && self.open.is_empty()
+    }
+
+    #[inline]
+    pub fn paint(&mut self, sheet: Sheet) {
+        self.front = self.front.over(sheet);
+    }
+
+    /// Paints a sheet that lets no less light through than one not known yet.
+    pub fn paint_vaguely(&mut self, least: Sheet) {
+        self.paint(least);
+        self.vague = true;
+    }
+
+    pub fn start(&mut self, composite: Composite) {
+        self.push(Part::Content(composite), false);
+    }
+
+    fn push(&mut self, part: Part, hidden: bool) {
+        let hidden = hidden || self.is_hidden();
+        self.open.push(Open { before: self.front, part, hidden, vague: self.vague });
+        (self.front, self.vague) = (Sheet::CLEAR, false);
+    }
+
+    /// Goes back to what stands before the innermost group, and gives its part.
+    fn pop(&mut self) -> Part {
+        let open = self.open.pop().expect("groups end after they start");
+        self.front = open.before;
+        self.vague |= open.vague;
+        open.part
+    }
+
+    /// Between a mask and what it masks.
+    pub fn middle(&mut self) {
+        self.end_backdrops(Sheet::CLEAR);
+        let (mask, vague) = (self.front, self.vague);
+        let Part::Content(Composite { opacity, effect: Effect::Mask(kind) }) = self.pop() else {
+            unreachable!("only masks have a middle");
+        };
+        let share = (!vague).then(|| opacity * shown(kind, mask));
+        self.push(Part::Masked(share), share == Some(0.0));
+    }
+
+    pub fn end(&mut self) {
+        self.end_backdrops(Sheet::CLEAR);
+        let inner = self.front;
+        match self.pop() {
+            Part::Content(Composite { opacity, effect: Effect::Blend(mode) }) => {
+                let source = inner.faded(opacity);
+                if source.through() < 1.0 || self.vague {
+                    self.push(Part::Backdrop(mode, source), false);
+                }
+            }
+            Part::Content(Composite { opacity, .. }) => self.paint(inner.faded(opacity)),
+            Part::Masked(Some(share)) => self.paint(inner.faded(share)),
+            // Nothing is known of it but that it may be seen.
+            Part::Masked(None) => {}
+            Part::Backdrop(..) => unreachable!("they have been ended"),
+        }
+    }
+
+    /// Ends the backdrops that go as far as the group around them.
+    fn end_backdrops(&mut self, background: Sheet) {
+        while let Some(Open { part: Part::Backdrop(mode, source), .. }) = self.open.last().copied() {
+            let behind = self.front;
+            self.pop();
+            self.paint(blended(mode, source, behind, background));
+        }
+    }
+
+    /// The colour, before a background.
+    pub fn over(&mut self, background: Sheet) -> Sheet {
+        self.end_backdrops(background);
+        debug_assert!(self.open.is_empty(), "groups end");
+        self.front.over(background)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const RED: [f32; 3] = [1.0, 0.0, 0.0];
+    const WHITE: [f32; 3] = [1.0; 3];
+
+    fn assert_near(found: Sheet, expected: [f32; 4]) {
+        let near = found.channels().iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-6);
+        assert!(near, "{found:?} is not {expected:?}");
+    }
+
+    #[test]
+    fn a_backdrop_ends_with_the_group_around_its_source() {
+        let multiply = Composite { opacity: 1.0, effect: Effect::Blend(BlendMode::Multiply) };
+        let picture = |grouped: bool| {
+            let mut tree = PaintTree::behind(Sheet::CLEAR);
+            if grouped {
+                tree.start(Composite::faded(1.0));
+            }
+            tree.start(multiply);
+            tree.paint(Sheet::new(WHITE, 1.0));
+            tree.end();
+            assert!(!tree.is_hidden(), "a source hides nothing, however opaque");
+            if grouped {
+                tree.end();
+            }
+            tree.paint(Sheet::new(RED, 1.0));
+            tree.over(Sheet::CLEAR)
+        };
+        assert_near(picture(false), [1.0, 0.0, 0.0, 0.0]);
+        assert_near(picture(true), [1.0, 1.0, 1.0, 0.0]);
+    }
+
+    #[test]
+    fn a_background_is_a_backdrop_and_counts_once() {
+        let mut tree = PaintTree::behind(Sheet::CLEAR);
+        tree.start(Composite { opacity: 1.0, effect: Effect::Blend(BlendMode::Multiply) });
+        tree.paint(Sheet::new(WHITE, 0.5));
+        tree.end();
+        assert_near(tree.over(Sheet::new(RED, 0.5)), [0.25 + 0.25 + 0.25, 0.25, 0.25, 0.25]);
+    }
+
+    #[test]
+    fn a_mask_fades_what_follows_it_and_a_black_one_hides_it() {
+        let masked = |gray: f32| {
+            let mut tree = PaintTree::behind(Sheet::CLEAR);
+            tree.start(Composite { opacity: 0.5, effect: Effect::Mask(MaskType::Luminance) });
+            tree.paint(Sheet::new([gray; 3], 1.0));
+            tree.middle();
+            let hidden = tree.is_hidden();
+            tree.paint(Sheet::new(RED, 1.0));
+            tree.end();
+            (tree.over(Sheet::CLEAR), hidden)
+        };
+        assert_near(masked(0.5).0, [0.25, 0.0, 0.0, 0.75]);
+        assert!(masked(0.0).1 && !masked(0.5).1);
+    }
+
+    #[test]
+    fn a_mask_not_known_yet_hides_neither_its_content_nor_what_lies_behind() {
+        let mut tree = PaintTree::behind(Sheet::CLEAR);
+        tree.start(Composite { opacity: 1.0, effect: Effect::Mask(MaskType::Alpha) });
+        tree.paint_vaguely(Sheet::CLEAR);
+        tree.middle();
+        assert!(!tree.is_hidden());
+        tree.paint(Sheet::new(RED, 1.0));
+        tree.end();
+        assert!(!tree.is_done());
+    }
+}

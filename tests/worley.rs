@@ -1,0 +1,185 @@
+//! Worley's claims (Advanced Antialiasing, in Texturing & Modeling, ch. 5), each with a number: gradients
+//! finer than a pixel against 64 x 64 points of it, the width of the spot, tables over noise.
+
+use toon_raster::kurbo::Affine;
+use toon_raster::{Options, Renderer, Scene, Settings, Viewport};
+
+const SIDE: u32 = 48;
+
+fn scene(body: &str) -> Scene {
+    let svg = format!("<svg xmlns='http://www.w3.org/2000/svg' width='{SIDE}' height='{SIDE}'>{body}</svg>");
+    Scene::from_bytes(svg.as_bytes(), &Options::default()).expect("a drawing")
+}
+
+/// A square full of a gradient: black, then a hard stop to white, which turns grey.
+fn gradient(element: &str, attributes: &str) -> Scene {
+    scene(&format!(
+        "<{element} id='g' gradientUnits='userSpaceOnUse' {attributes}><stop stop-color='#000'/>
+        <stop offset='.4' stop-color='#000'/><stop offset='.4' stop-color='#fff'/>
+        <stop offset='1' stop-color='#808080'/></{element}>
+        <rect width='{SIDE}' height='{SIDE}' fill='url(#g)'/>"
+    ))
+}
+
+/// The stops above: 0 ..= 255.
+fn level(t: f64) -> f64 {
+    match t {
+        t if t < 0.4 => 0.0,
+        t => 255.0 - 127.0 * (t - 0.4) / 0.6,
+    }
+}
+
+fn levels(scene: &Scene, settings: Settings) -> Vec<f64> {
+    let mut renderer = Renderer::new(Settings { threads: 1, ..settings }).expect("a renderer");
+    let picture = renderer.render(scene, &Viewport::fit(scene, SIDE, SIDE)).expect("a picture");
+    picture.data().chunks_exact(4).map(|pixel| f64::from(pixel[0])).collect()
+}
+
+/// The mean of 64 x 64 points of each pixel, spread by the golden ratio rather than in rows, which would
+/// be off by two levels where an edge goes along them.
+fn supersampled(level_at: impl Fn(f64, f64) -> f64) -> Vec<f64> {
+    const POINTS: u32 = 64 * 64;
+    const GOLDEN: f64 = 0.618_033_988_749_894_9;
+    let pixel = |i: u32| {
+        let (x, y) = (f64::from(i % SIDE), f64::from(i / SIDE));
+        let point = |p: u32| (f64::from(p) + 0.5) / f64::from(POINTS);
+        let points = (0..POINTS).map(|p| level_at(x + point(p), y + (f64::from(p) * GOLDEN).fract()));
+        points.sum::<f64>() / f64::from(POINTS)
+    };
+    (0..SIDE * SIDE).map(pixel).collect()
+}
+
+/// Largest and root mean square difference.
+fn difference(a: &[f64], b: &[f64]) -> (f64, f64) {
+    let off = || a.iter().zip(b).map(|(a, b)| (a - b).abs());
+    (off().fold(0.0, f64::max), (off().map(|d| d * d).sum::<f64>() / a.len() as f64).sqrt())
+}
+
+/// Rings of this width around a point between pixels: the parameter at a point.
+fn ring(width: f64) -> impl Fn(f64, f64) -> f64 {
+    move |x, y| ((x - 20.3).hypot(y - 17.6) / width).fract()
+}
+
+fn rings(width: f64) -> Scene {
+    gradient("radialGradient", &format!("cx='20.3' cy='17.6' r='{width}' spreadMethod='repeat'"))
+}
+
+/// Of 8-bit levels.
+const ROUNDING: f64 = 0.5;
+
+#[test]
+fn rings_finer_than_a_pixel_are_within_two_levels_of_64_x_64_points() {
+    for width in [7.0, 3.0, 1.5, 0.9] {
+        let parameter = ring(width);
+        let truth = supersampled(|x, y| level(parameter(x, y)));
+        let found = levels(&rings(width), Settings::default());
+        let (most, rms) = difference(&found, &truth);
+        println!("rings {width} px wide: at most {most:.3} levels off, rms {rms:.3}");
+        // Half a level is rounding, and the points themselves are off where edges go along their rows.
+        assert!(rms < 0.4 && most < 2.0, "{width}: {most}, rms {rms}");
+    }
+}
+
+#[test]
+fn stripes_at_any_angle_and_width_are_within_a_level_of_64_x_64_points() {
+    for (width, degrees) in [(5.0, 30.0), (1.3, 41.0), (0.7, 10.0), (0.02, 77.0)] {
+        let angle = f64::to_radians(degrees);
+        let (along_x, along_y) = (angle.cos() / width, angle.sin() / width);
+        let attributes = format!(
+            "x1='0' y1='0' x2='{}' y2='{}' spreadMethod='repeat'",
+            angle.cos() * width,
+            angle.sin() * width
+        );
+        let truth = supersampled(|x, y| level((x * along_x + y * along_y).fract()));
+        let found = levels(&gradient("linearGradient", &attributes), Settings::default());
+        let (most, rms) = difference(&found, &truth);
+        println!("stripes {width} px wide at {degrees}: at most {most:.3} levels off, rms {rms:.3}");
+        assert!(rms < 0.5 && most < 1.0 + ROUNDING, "{width}: {most}, rms {rms}");
+    }
+}
+
+#[test]
+fn a_thousand_cycles_a_pixel_cost_no_more_colours_than_one() {
+    // Not a matter of time: the mean of a whole pixel of cycles is the map's, everywhere.
+    let mean = (0..10_000).map(|i| level((f64::from(i) + 0.5) / 10_000.0)).sum::<f64>() / 10_000.0;
+    let found = levels(&rings(0.001), Settings::default());
+    assert!(found.iter().all(|level| (level - mean).abs() <= 1.0), "{mean}");
+}
+
+#[test]
+fn the_error_is_least_where_the_spot_is_one_pixel_wide() {
+    for width in [3.0, 0.8] {
+        let parameter = ring(width);
+        let truth = supersampled(|x, y| level(parameter(x, y)));
+        let error = |spot_scale: f64| {
+            difference(&levels(&rings(width), Settings { spot_scale, ..Settings::default() }), &truth).1
+        };
+        let scales = [0.0, 0.25, 0.5, 0.75, 0.9, 1.0, 1.1, 1.25, 1.5, 2.0, 3.0];
+        let curve: Vec<f64> = scales.iter().map(|&scale| error(scale)).collect();
+        println!("rings {width} px wide: {curve:.2?} at {scales:?}");
+        let best = (0..scales.len()).min_by(|&a, &b| curve[a].total_cmp(&curve[b])).expect("some");
+        assert_eq!(scales[best], 1.0, "{curve:?}");
+        assert!(curve[0] > 10.0 * curve[best], "points alias: {curve:?}");
+    }
+}
+
+/// Noise through a table of hard steps.
+fn noise(frequency: f64) -> Scene {
+    scene(&format!(
+        "<filter id='f' x='0' y='0' width='1' height='1' color-interpolation-filters='sRGB'>
+        <feTurbulence type='fractalNoise' baseFrequency='{frequency}' numOctaves='2' seed='3'/>
+        <feColorMatrix values='0 0 0 0 0  1 0 0 0 0  0 1 0 0 0  0 0 0 0 1'/>
+        <feComponentTransfer><feFuncG type='discrete' tableValues='0 1 0 1 0 1 0 1'/>
+        <feFuncB type='table' tableValues='0 1 0 1 0 1 0'/></feComponentTransfer></filter>
+        <rect width='{SIDE}' height='{SIDE}' filter='url(#f)'/>"
+    ))
+}
+
+/// Green and blue, row by row, `fine` pixels a unit.
+fn colours(scene: &Scene, fine: u32, index_aa: bool) -> Vec<[f64; 2]> {
+    let settings = Settings { threads: 1, index_aa, ..Settings::default() };
+    let side = SIDE * fine;
+    let viewport = Viewport { width: side, height: side, transform: Affine::scale(f64::from(fine)) };
+    let picture = Renderer::new(settings).and_then(|mut r| r.render(scene, &viewport)).expect("a picture");
+    picture.data().chunks_exact(4).map(|p| [p[1], p[2]].map(f64::from)).collect()
+}
+
+#[test]
+fn tables_over_noise_alias_less_where_index_anti_aliasing_is_asked_for() {
+    const FINE: u32 = 16;
+    for frequency in [0.08, 0.2] {
+        let scene = noise(frequency);
+        let fine = colours(&scene, FINE, false);
+        let (points, spots) = (colours(&scene, 1, false), colours(&scene, 1, true));
+        let mut sums = [[0.0f64; 2]; 2];
+        // Noise is looked at in pixels' corners: the spot is around the corner.
+        for (x, y) in (1..SIDE - 1).flat_map(|x| (1..SIDE - 1).map(move |y| (x, y))) {
+            let (left, top) = (x * FINE - FINE / 2, y * FINE - FINE / 2);
+            let within = (0..FINE * FINE).map(|i| (left + i % FINE, top + i / FINE));
+            for channel in 0..2 {
+                let all = within.clone().map(|(x, y)| fine[(y * SIDE * FINE + x) as usize][channel]);
+                let truth = all.sum::<f64>() / f64::from(FINE * FINE);
+                let at = (y * SIDE + x) as usize;
+                for (sum, found) in sums.iter_mut().zip([points[at], spots[at]]) {
+                    sum[channel] += (found[channel] - truth).powi(2);
+                }
+            }
+        }
+        let count = f64::from((SIDE - 2) * (SIDE - 2));
+        let rms = sums.map(|sum| sum.map(|s| (s / count).sqrt()));
+        println!("noise of {frequency}: rms error of steps and of slopes {:.1?} -> {:.1?}", rms[0], rms[1]);
+        for channel in 0..2 {
+            assert!(rms[1][channel] < 0.5 * rms[0][channel], "{frequency}: {rms:?}");
+        }
+    }
+}
+
+#[test]
+fn index_anti_aliasing_changes_nothing_but_tables_over_noise() {
+    let blurred = scene(&format!(
+        "<filter id='f'><feGaussianBlur stdDeviation='2'/><feComponentTransfer>
+        <feFuncA type='discrete' tableValues='0 1 0 1'/></feComponentTransfer></filter>
+        <rect x='9' y='9' width='20' height='20' filter='url(#f)'/><rect width='{SIDE}' height='4'/>"
+    ));
+    assert_eq!(colours(&blurred, 1, true), colours(&blurred, 1, false));
+}
