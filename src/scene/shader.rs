@@ -372,7 +372,7 @@ impl<'a> GradientShader<'a> {
         const SMALLEST: f64 = 1.0 / 32.0;
         let corners = CORNERS.map(|(dx, dy)| at + Vec2::new(dx, dy) * (0.5 * side));
         if side <= SMALLEST || !self.bends(at, local, side, AT_EDGES) {
-            return self.mean(local, at, &corners);
+            return self.mean_within(0, local, at, &corners);
         }
         let mut sums = [0.0; 4];
         for (dx, dy) in CORNERS {
@@ -415,10 +415,16 @@ impl<'a> GradientShader<'a> {
         }
     }
 
-    #[inline(never)]
+    /// The mean over a convex polygon, cut where the circles of a radial gradient are small.
     fn mean(&self, local: Local, centre: Point, corners: &[Point]) -> Sheet {
+        self.mean_within(self.bent(local), local, centre, corners)
+    }
+
+    /// The same, with its triangles halved so often.
+    #[inline(never)]
+    fn mean_within(&self, halvings: u32, local: Local, centre: Point, corners: &[Point]) -> Sheet {
         let map = self.map.get_or_init(|| ColorMap::new(&self.gradient.stops, self.gradient.spread));
-        let integral = match self.bent(local) {
+        let integral = match halvings {
             0 => linear_integral(map, local, centre, corners),
             depth => {
                 let mut sum = Integral::default();
