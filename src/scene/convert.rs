@@ -341,7 +341,7 @@ impl Walk {
                 let tile = Rect::new(0.0, 0.0, corner.width(), corner.height());
                 let transform =
                     transform * affine(pattern.transform()) * Affine::translate(corner.origin().to_vec2());
-                let source = Source::Tiles(self.content(pattern.root())?, tile);
+                let source = Source::Tiles(Box::new(self.content(pattern.root())?), tile);
                 Some(Paint::Raster(Arc::new(Raster { source, transform, bounds: tile, opacity })))
             }
         };

@@ -43,7 +43,7 @@ pub(crate) enum Source {
         nearest: bool,
     },
     /// A tile, its rectangle in the source's coordinates, repeated over the plane.
-    Tiles(Scene, Rect),
+    Tiles(Box<Scene>, Rect),
 }
 
 /// A group whose pixels are worked on as pixels.
