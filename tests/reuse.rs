@@ -134,6 +134,12 @@ fn motion_blur_is_the_same_rendered_whole_in_either_light_and_by_every_kind_of_m
     for method in ["mask", "corner", "area", "grid:2"] {
         verified(&input, &["--fps", "3", "--aa", method]);
     }
+    // A trace of a shape, too little for alpha, in a tile that rests beside one that moves.
+    let trace = drawing(
+        r##"<rect width="9.001" height="8" fill="#8ad"/>
+        <path d="M70 0h4v4z"><animateTransform attributeName="transform" type="translate" to="4" dur="1s"/></path>"##,
+    );
+    verified(&folder.write("trace.svg", &trace), &blurred);
     // Those that need the whole picture draw no filters.
     let plain = concat!(env!("CARGO_MANIFEST_DIR"), "/samples/anim/bounce.svg");
     for method in ["beam", "tiny-skia"] {

@@ -56,17 +56,16 @@ impl Exposure {
     /// Makes the `first` picture the mean of all.
     pub fn develop(self, first: &mut Canvas) {
         for (place, sums) in &self.sums {
-            first.repaint(*place, sums.iter().map(|sum| mean(*sum, self.count, self.linear)));
+            let mean = |(sum, first)| mean(sum, self.count, self.linear).unwrap_or(first);
+            let means: Vec<[u8; 4]> = sums.iter().copied().zip(pixels(first, *place)).map(mean).collect();
+            first.repaint(*place, means);
         }
     }
 }
 
 /// Adds a tile's pixels so many times.
-fn add(sums: &mut [[u64; 4]], canvas: &Canvas, [x0, y0, x1, y1]: Place, times: u64, linear: bool) {
-    let picture = canvas.picture();
-    let rows = picture.data().chunks_exact(picture.stride()).take(y1 as usize).skip(y0 as usize);
-    let pixels = rows.flat_map(|row| &row.as_chunks::<4>().0[x0 as usize..x1 as usize]);
-    for (sum, pixel) in sums.iter_mut().zip(pixels) {
+fn add(sums: &mut [[u64; 4]], canvas: &Canvas, place: Place, times: u64, linear: bool) {
+    for (sum, pixel) in sums.iter_mut().zip(pixels(canvas, place)) {
         let alpha = u64::from(pixel[3]) * times;
         for channel in 0..3 {
             let light = if linear { LINEAR[usize::from(pixel[channel])] } else { pixel[channel].into() };
@@ -76,17 +75,25 @@ fn add(sums: &mut [[u64; 4]], canvas: &Canvas, [x0, y0, x1, y1]: Place, times: u
     }
 }
 
-fn mean(sum: [u64; 4], count: u64, linear: bool) -> [u8; 4] {
+/// A tile's pixels, row by row.
+fn pixels(canvas: &Canvas, [x0, y0, x1, y1]: Place) -> impl Iterator<Item = [u8; 4]> + '_ {
+    let picture = canvas.picture();
+    let rows = picture.data().chunks_exact(picture.stride()).take(y1 as usize).skip(y0 as usize);
+    rows.flat_map(move |row| row.as_chunks::<4>().0[x0 as usize..x1 as usize].iter().copied())
+}
+
+/// `None` where nothing was seen: what rests there keeps its bytes, which may tell a colour.
+fn mean(sum: [u64; 4], count: u64, linear: bool) -> Option<[u8; 4]> {
     let alpha = sum[3];
     if alpha == 0 {
-        return [0; 4];
+        return None;
     }
     let straight = |channel: u64| match linear {
         true => (encoded_of_linear((channel as f64 / alpha as f64 / ONE) as f32) * 255.0 + 0.5) as u8,
         false => ((channel + alpha / 2) / alpha) as u8,
     };
     let opacity = (alpha + count / 2) / count;
-    [straight(sum[0]), straight(sum[1]), straight(sum[2]), opacity as u8]
+    Some([straight(sum[0]), straight(sum[1]), straight(sum[2]), opacity as u8])
 }
 
 #[cfg(test)]
@@ -111,7 +118,7 @@ mod tests {
     #[test]
     fn what_does_not_move_keeps_its_bytes() {
         for byte in 0..=255 {
-            for pixel in [[byte, 255 - byte, 50, 255], [byte, 100, 50, 7]] {
+            for pixel in [[byte, 255 - byte, 50, 255], [byte, 100, 50, 7], [byte, 100, 50, 0]] {
                 assert_eq!(mean(&[pixel; 5], false), pixel);
                 assert_eq!(mean(&[pixel; 5], true), pixel);
             }
