@@ -16,7 +16,7 @@ mod groups;
 
 use crate::bitmap::{for_runs, word_masks, Bitmap};
 use crate::coverage::Part;
-use crate::edges::BAND_ROWS;
+use crate::edges::{Bounds, BAND_ROWS};
 use crate::pixel::resolve::NEGLIGIBLE;
 use crate::scene::paint::Sheet;
 use crate::scene::shader::Shader;
@@ -133,6 +133,22 @@ impl Cel {
         self.clear();
         self.opacity = opacity;
         self.finished.copy_from(&parent.finished);
+    }
+
+    /// Takes for finished what lies outside these bounds: nothing there is of use.
+    pub fn leave_outside(&mut self, bounds: Option<Bounds>, rows: &Rows) {
+        let Bounds { left, right, top, bottom } = bounds.unwrap_or_default();
+        for row in 0..rows.count {
+            let y = rows.top as usize + row;
+            let finished = self.finished.row_mut(row);
+            if !(top..bottom).contains(&y) {
+                finished.fill(u64::MAX);
+                continue;
+            }
+            for (from, to) in [(0, left), (right, finished.len() * 64)] {
+                word_masks(from, to).for_each(|(word, mask)| finished[word] |= mask);
+            }
+        }
     }
 
     /// Paints pixels [from, to) of a row, behind all that was painted before. In the cel that is the
@@ -340,4 +356,24 @@ fn paint_fresh(picture: &mut Rows, row: usize, width: usize, (word, fresh): (usi
             }
         }
     });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_left_outside_bounds_is_finished_and_nothing_within() {
+        let (width, count, top) = (130, BAND_ROWS as usize, 64u32);
+        for bounds in [None, Some(Bounds { left: 63, right: 65, top: 60, bottom: 66 })] {
+            let mut cel = Cel::new(width);
+            cel.leave_outside(bounds, &Rows { bytes: &mut [], stride: 0, top, count });
+            for (row, x) in (0..count).flat_map(|row| (0..width as usize).map(move |x| (row, x))) {
+                let within = bounds.is_some_and(|b| {
+                    (b.left..b.right).contains(&x) && (b.top..b.bottom).contains(&(top as usize + row))
+                });
+                assert_eq!(cel.finished.get(row, x), !within, "{x}, {row}");
+            }
+        }
+    }
 }

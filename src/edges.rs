@@ -50,6 +50,18 @@ pub(crate) struct Bounds {
     pub bottom: usize,
 }
 
+impl Bounds {
+    /// The least that holds both.
+    pub fn united(self, other: Bounds) -> Bounds {
+        Bounds {
+            left: self.left.min(other.left),
+            right: self.right.max(other.right),
+            top: self.top.min(other.top),
+            bottom: self.bottom.max(other.bottom),
+        }
+    }
+}
+
 /// A shape's edges, still in the order of its outline.
 pub(crate) struct EdgeList {
     edges: Vec<Edge>,

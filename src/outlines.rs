@@ -3,7 +3,7 @@
 
 use crate::edges::{BandedEdges, Bounds, EdgeList, BAND_ROWS};
 use crate::polygons::{largest_scale, Flattener};
-use crate::scene::{FillRule, Geometry, Outline, Scene};
+use crate::scene::{FillRule, Geometry, GroupId, Outline, Role, Scene};
 use crate::{Settings, Viewport};
 use kurbo::{Affine, Rect};
 use std::sync::OnceLock;
@@ -131,17 +131,35 @@ impl BandLists {
     }
 }
 
+/// For each group that is a mask the pixels that what it masks may touch.
+fn masked(scene: &Scene, outlines: &[PlacedOutline]) -> Vec<Option<Bounds>> {
+    let mut masked = vec![None; scene.groups.len()];
+    for (shape, outline) in scene.shapes.iter().zip(outlines).filter(|(shape, _)| shape.group != 0) {
+        for group in scene.group_path(shape.group) {
+            if let (Role::Masked(mask), Some(bounds)) = (scene.groups[group as usize].role, outline.bounds) {
+                let all: &mut Option<Bounds> = &mut masked[mask as usize];
+                *all = Some(all.map_or(bounds, |all| all.united(bounds)));
+            }
+        }
+    }
+    masked
+}
+
 /// All outlines of a scene: its shapes', and its clips' members', clip by clip.
 pub(crate) struct Outlines<'a> {
     pub shapes: Vec<PlacedOutline<'a>>,
     pub clips: Vec<Vec<PlacedOutline<'a>>>,
+    /// For each group that is a mask the pixels that what it masks may touch.
+    masked: Vec<Option<Bounds>>,
 }
 
 impl<'a> Outlines<'a> {
     pub fn new(scene: &'a Scene, viewport: &Viewport, all_crisp: bool) -> Outlines<'a> {
         let place = |geometry| PlacedOutline::new(geometry, viewport, all_crisp);
+        let shapes: Vec<_> = scene.shapes.iter().map(|shape| place(&shape.geometry)).collect();
         Outlines {
-            shapes: scene.shapes.iter().map(|shape| place(&shape.geometry)).collect(),
+            masked: masked(scene, &shapes),
+            shapes,
             clips: scene
                 .clips
                 .iter()
@@ -150,10 +168,39 @@ impl<'a> Outlines<'a> {
         }
     }
 
+    /// The pixels that what a mask masks may touch.
+    pub fn masked_by(&self, mask: GroupId) -> Option<Bounds> {
+        self.masked[mask as usize]
+    }
+
     pub fn forget_above(&mut self, row: usize) {
         self.shapes
             .iter_mut()
             .chain(self.clips.iter_mut().flatten())
             .for_each(|outline| outline.forget_above(row));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Options;
+
+    #[test]
+    fn a_mask_is_wanted_where_what_it_masks_may_be_and_nowhere_else() {
+        let svg = br##"<svg xmlns="http://www.w3.org/2000/svg" width="100" height="100">
+            <mask id="m" maskUnits="userSpaceOnUse" x="0" y="0" width="100" height="100">
+            <path fill="#fff" d="M0 0h100v100H0z"/></mask>
+            <g mask="url(#m)"><path d="M20 30h10v10H20z"/><g opacity=".5"><path d="M40 20h10v10H40z"/>
+            <path d="M45 20h10v10H45z"/></g></g><path d="M90 90h10v10H90z"/></svg>"##;
+        let scene = Scene::from_bytes(svg, &Options::default()).unwrap();
+        let viewport = Viewport { width: 100, height: 100, transform: Affine::IDENTITY };
+        let outlines = Outlines::new(&scene, &viewport, false);
+        let masks: Vec<_> =
+            (0..scene.groups.len()).filter(|&group| outlines.masked[group].is_some()).collect();
+        assert!(matches!(masks[..], [mask] if matches!(scene.groups[mask].role, Role::Mask(_))), "{masks:?}");
+        // With the margin of a pixel.
+        let expected = Bounds { left: 19, right: 56, top: 19, bottom: 41 };
+        assert_eq!(outlines.masked_by(masks[0] as GroupId), Some(expected));
     }
 }

@@ -62,7 +62,7 @@ impl<C: Coverage> BandRenderer<C> {
             }
         }
         for (level, &group) in path.iter().enumerate().skip(kept) {
-            self.open_group(picture, OpenGroup { group, level, state: State::Open });
+            self.open_group(picture, OpenGroup { group, level, state: State::Open }, rows);
         }
     }
 
@@ -88,7 +88,7 @@ impl<C: Coverage> BandRenderer<C> {
     }
 
     /// Gives a group a cel.
-    fn open_group(&mut self, picture: &Picture, new: OpenGroup) {
+    fn open_group(&mut self, picture: &Picture, new: OpenGroup, rows: &Rows) {
         let depth = self.open.len();
         if self.cels.len() == depth {
             self.cels.push(Cel::new(picture.width));
@@ -108,6 +108,10 @@ impl<C: Coverage> BandRenderer<C> {
                 };
                 inner[0].open_behind_mask(mask, parent, scene_group.opacity);
             }
+            (_, Role::Mask(_)) => {
+                inner[0].open_in(&outer[depth - 1], scene_group.opacity);
+                inner[0].leave_outside(picture.outlines.masked_by(new.group), rows);
+            }
             _ => inner[0].open_in(&outer[depth - 1], scene_group.opacity),
         }
         self.open.push(new);
@@ -125,7 +129,7 @@ impl<C: Coverage> BandRenderer<C> {
                 self.open[depth].state = State::Source;
                 let group = groups[last.group as usize].parent;
                 let backdrop = OpenGroup { group, level: last.level - 1, state: State::Backdrop };
-                self.open_group(picture, backdrop);
+                self.open_group(picture, backdrop, rows);
             }
             _ => self.paint_last(picture, last, role, rows),
         }

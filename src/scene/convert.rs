@@ -257,14 +257,14 @@ impl Walk {
     fn content(&mut self, group: &usvg::Group) -> Result<Scene, Error> {
         if self.nesting == DEEPEST_RASTER {
             return Err(Error::Limit(format!(
-                "filters, masks and patterns are nested more than {DEEPEST_RASTER} deep at {} (flatten them)",
+                "filters, masks, blended groups and patterns are nested more than {DEEPEST_RASTER} deep at {} (flatten them)",
                 self.name(group.id())
             )));
         }
         self.contents += 1;
         if self.contents > MOST_RASTERS {
             return Err(Error::Limit(format!(
-                "it repeats filters, masks and patterns too often: more than {MOST_RASTERS} of them at {} (flatten them)",
+                "it repeats filters, masks, blended groups and patterns too often: more than {MOST_RASTERS} of them at {} (flatten them)",
                 self.name(group.id())
             )));
         }
