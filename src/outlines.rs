@@ -194,6 +194,7 @@ mod tests {
             <g mask="url(#m)"><path d="M20 30h10v10H20z"/><g opacity=".5"><path d="M40 20h10v10H40z"/>
             <path d="M45 20h10v10H45z"/></g></g><path d="M90 90h10v10H90z"/></svg>"##;
         let scene = Scene::from_bytes(svg, &Options::default()).unwrap();
+        let scene = scene.unfolded().expect("a mask is a group of the paint tree");
         let viewport = Viewport { width: 100, height: 100, transform: Affine::IDENTITY };
         let outlines = Outlines::new(&scene, &viewport, false);
         let masks: Vec<_> =
