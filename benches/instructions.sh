@@ -6,8 +6,8 @@
 #     benches/instructions.sh --against REV   # and as it was at a revision, built in a folder of its own
 #
 # Renders flat drawings of samples/ on one thread under valgrind's callgrind and prints for each the instructions
-# executed; how many of them in functions of effects (the modules layers, texture, effects, scene::color_map and
-# scene::shader); and how many in lines of their files that the compiler has put into other functions, such as asking
+# executed; how many of them in functions of effects (the modules layers, texture, effects, scene::color_map,
+# scene::gradient_shader and scene::shader); and how many in lines of their files that the compiler has put into other functions, such as asking
 # a shape whether it is flat. Ends with 1 if a flat drawing executes any of the former or more than 1 in 2,000 of the
 # latter, or if a drawing with effects executes none, which would mean that nothing is measured. With --against,
 # the ratio of all instructions is printed too.
@@ -60,8 +60,8 @@ count() {
         /^calls=/ { getline; next }
         /^[0-9+*-]/ && NF >= 2 {
             all += $2
-            if (fun ~ /^<?toon_raster::(layers|texture|effects|scene::(color_map|shader))::/) own += $2
-            else if (file ~ /src\/(layers|texture)\.rs$|src\/effects\/|src\/scene\/(color_map|shader)\.rs$/) inlined += $2
+            if (fun ~ /^<?toon_raster::(layers|texture|effects|scene::(color_map|gradient_shader|shader))::/) own += $2
+            else if (file ~ /src\/(layers|texture)\.rs$|src\/effects\/|src\/scene\/(color_map|gradient_shader|shader)\.rs$/) inlined += $2
         }
         END { printf "%d %d %d\n", all, own, inlined }' "$out"
 }

@@ -19,7 +19,7 @@ use crate::pixel::resolve::Surroundings;
 use crate::polygons::Flattener;
 use crate::scene::paint::{Paint, Sheet};
 use crate::scene::{ClipId, Scene};
-use crate::tiles::Plan;
+use crate::tiles::TilePlan;
 use crate::zlist::Entry;
 use groups::OpenGroup;
 use kurbo::Affine;
@@ -39,7 +39,7 @@ pub(crate) struct Picture<'a> {
     pub tolerance: f64,
     pub width: u32,
     /// Which tiles are to be rendered; `None` for all.
-    pub plan: Option<&'a Plan>,
+    pub plan: Option<&'a TilePlan>,
 }
 
 /// Renders bands one after the other, keeping fragments as `C` does; each thread has its own.

@@ -12,12 +12,13 @@ use crate::effects::layer::{between, IntRect, Layer, Pixel, Space, CLEAR};
 use crate::effects::log::Log;
 use crate::effects::mask;
 use crate::outlines::Outlines;
+use crate::scene::gradient_shader::GradientShader;
 use crate::scene::paint::Paint;
 use crate::scene::print::{self, Print};
 use crate::scene::raster::{Mask, Raster, RasterGroup, Source};
-use crate::scene::shader::{GradientShader, Shader};
+use crate::scene::shader::Shader;
 use crate::scene::{Clip, ClipMember, Geometry, Scene, Shape};
-use crate::tiles::{self, Plan};
+use crate::tiles::{self, TilePlan};
 use crate::{texture, Error, Renderer, Settings, Viewport};
 use kurbo::{Affine, Point, Rect, Vec2};
 use std::ops::Range;
@@ -56,7 +57,7 @@ struct KeptLayer {
 
 /// What is wanted of the layers where only some tiles are rendered.
 pub(crate) struct Wanted<'a> {
-    pub plan: &'a Plan,
+    pub plan: &'a TilePlan,
     pub outlines: &'a Outlines<'a>,
     pub kept: &'a mut KeptLayers,
 }
@@ -189,6 +190,7 @@ impl Artist<'_> {
         if let Source::Tiles(tile, place) = &raster.source {
             if let Some(period) = period(to_pixels, *place, rect) {
                 if let Some(plane) = plane_of(tile, *place, to_pixels, period) {
+                    self.afford(period)?;
                     let drawn = self.log.run("pattern", || self.draw(&plane, to_pixels, period))?;
                     let layer = faded(drawn);
                     let opaque = layer.is_opaque();
@@ -196,18 +198,7 @@ impl Artist<'_> {
                 }
             }
         }
-        self.pixels += rect.area();
-        if self.pixels > MOST_PIXELS {
-            return Err(Error::Limit(format!(
-                "filters, masks and patterns would hold more than {MOST_PIXELS} pixels (render a smaller picture)"
-            )));
-        }
-        if self.work.fetch_add(rect.area(), Relaxed) + rect.area() > MOST_WORK {
-            return Err(Error::Limit(format!(
-                "filters, masks and patterns within one another would take more than {MOST_WORK} pixels \
-                 (flatten them, or render a smaller picture)"
-            )));
-        }
+        self.afford(rect)?;
         let mut layer = match &raster.source {
             Source::Group(group) => self.group(group, to_pixels, rect)?,
             Source::Image { pixels, nearest } => self.log.run("image", || match whole_move(to_pixels) {
@@ -228,6 +219,23 @@ impl Artist<'_> {
         // Only what is opaque in its source has a chance to be so here.
         let opaque = !matches!(raster.source, Source::Group(_)) && layer.is_opaque();
         Ok(Shader::Layer { layer: Arc::new(layer), by: (0, 0), opaque })
+    }
+
+    /// Counts one more layer, over these pixels.
+    fn afford(&mut self, rect: IntRect) -> Result<(), Error> {
+        self.pixels += rect.area();
+        if self.pixels > MOST_PIXELS {
+            return Err(Error::Limit(format!(
+                "filters, masks and patterns would hold more than {MOST_PIXELS} pixels (render a smaller picture)"
+            )));
+        }
+        if self.work.fetch_add(rect.area(), Relaxed) + rect.area() > MOST_WORK {
+            return Err(Error::Limit(format!(
+                "filters, masks and patterns within one another would take more than {MOST_WORK} pixels \
+                 (flatten them, or render a smaller picture)"
+            )));
+        }
+        Ok(())
     }
 
     /// Of all that a layer is made from, if it does not blend.

@@ -134,6 +134,9 @@ impl BandLists {
 /// For each group that is a mask the pixels that what it masks may touch.
 fn masked(scene: &Scene, outlines: &[PlacedOutline]) -> Vec<Option<Bounds>> {
     let mut masked = vec![None; scene.groups.len()];
+    if !scene.groups.iter().any(|group| matches!(group.role, Role::Masked(_))) {
+        return masked;
+    }
     for (shape, outline) in scene.shapes.iter().zip(outlines).filter(|(shape, _)| shape.group != 0) {
         for group in scene.group_path(shape.group) {
             if let (Role::Masked(mask), Some(bounds)) = (scene.groups[group as usize].role, outline.bounds) {

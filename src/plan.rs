@@ -126,7 +126,7 @@ impl Planner<'_> {
         let (mut kept, mut work) = (0, 0);
         let mut edges = EdgeList::new(viewport.width, viewport.height);
         let mut flattener = Flattener::default();
-        let tolerance = self.settings.tolerance;
+        let tolerance = self.settings.flattening_tolerance();
         let mut flatten = |geometry: &Geometry| {
             flattener.flatten(geometry, viewport.transform, tolerance, &mut edges);
             let count = edges.len() as u64;

@@ -22,7 +22,7 @@ use crate::pixel::resolve::Surroundings;
 use crate::scene::paint::Sheet;
 use crate::scene::shader::Shader;
 use crate::scene::Role;
-use crate::tiles::Plan;
+use crate::tiles::TilePlan;
 use crate::{Error, Pixmap, Scene};
 use rayon::prelude::*;
 use std::sync::Mutex;
@@ -87,6 +87,13 @@ impl Settings {
             0 => std::thread::available_parallelism().map_or(1, usize::from),
             threads => threads,
         }
+    }
+
+    /// Farthest that curves lie from their chords, in pixels: a dark mean of linear light errs more once it is
+    /// encoded.
+    pub(crate) fn flattening_tolerance(&self) -> f64 {
+        const LINEAR_SHARE: f64 = 0.5;
+        self.tolerance * if self.linear { LINEAR_SHARE } else { 1.0 }
     }
 
     /// The defaults of a method: curves are flattened only as finely as it can show.
@@ -322,9 +329,9 @@ impl Renderer {
         &mut self,
         scene: &Scene,
         viewport: &Viewport,
-        plan: impl FnOnce(&Scene, &Outlines, &BandLists) -> Option<Plan>,
+        plan: impl FnOnce(&Scene, &Outlines, &BandLists) -> Option<TilePlan>,
         mut part: impl FnMut(&Renderer, &Picture, &mut Option<usize>) -> Result<(), Error>,
-    ) -> Result<Option<Plan>, Error> {
+    ) -> Result<Option<TilePlan>, Error> {
         let start = Instant::now();
         self.resize(viewport);
         let unfolded = self.settings.method.composites_regions().then(|| scene.unfolded()).flatten();
@@ -352,7 +359,7 @@ impl Renderer {
                 bands: &bands,
                 around: &around,
                 to_pixels: viewport.transform,
-                tolerance: self.tolerance(),
+                tolerance: self.settings.flattening_tolerance(),
                 width: viewport.width,
                 plan: plan.as_ref(),
             };
@@ -373,12 +380,6 @@ impl Renderer {
             None => (Vec::new(), Vec::new()),
         };
         Ok(plan)
-    }
-
-    /// The flattening tolerance: a dark mean of linear light errs more once it is encoded.
-    fn tolerance(&self) -> f64 {
-        const LINEAR_SHARE: f64 = 0.5;
-        self.settings.tolerance * if self.settings.linear { LINEAR_SHARE } else { 1.0 }
     }
 
     /// Drops buffers that do not fit the picture.

@@ -117,14 +117,14 @@ pub(crate) enum Origin {
 }
 
 /// Where all tiles of a picture come from.
-pub(crate) struct Plan {
+pub(crate) struct TilePlan {
     columns: usize,
     /// By tile, band by band.
     pub origins: Vec<Origin>,
     pub prints: Vec<Print>,
 }
 
-impl Plan {
+impl TilePlan {
     /// Of a picture this wide: `origin` tells where a tile with this number and print comes from. Without
     /// `by_tiles` a band is rendered whole if any of its tiles is.
     pub fn new(
@@ -132,7 +132,7 @@ impl Plan {
         prints: Vec<Print>,
         by_tiles: bool,
         origin: impl Fn(usize, Print) -> Origin,
-    ) -> Plan {
+    ) -> TilePlan {
         let columns = tile_columns(width);
         let mut origins: Vec<Origin> =
             prints.iter().enumerate().map(|(tile, &print)| origin(tile, print)).collect();
@@ -141,7 +141,7 @@ impl Plan {
                 band.fill(Origin::Rendered);
             }
         }
-        Plan { columns, origins, prints }
+        TilePlan { columns, origins, prints }
     }
 
     /// The tiles of a band.

@@ -1,6 +1,6 @@
 //! Filters, masks, blend modes, patterns, images and colour maps: small drawings whose pixels are known.
 
-use toon_raster::{Highlights, Method, Options, Pixmap, Renderer, Scene, Settings, Viewport};
+use toon_raster::{Error, Highlights, Method, Options, Pixmap, Renderer, Scene, Settings, Viewport};
 
 fn render_with(width: u32, height: u32, body: &str, settings: Settings) -> Pixmap {
     let svg = format!(
@@ -114,6 +114,21 @@ fn tiles_by_the_million_are_their_mean() {
     let body = "<pattern id='p' width='.01' height='.01' patternUnits='userSpaceOnUse'>
         <rect width='.005' height='.01' fill='#f00'/></pattern><rect width='64' height='64' fill='url(#p)'/>";
     assert_pixel(&render(64, 64, body), (30, 30), [255, 0, 0, 128]);
+}
+
+#[test]
+fn a_tile_that_repeats_in_whole_pixels_counts_as_the_layer_it_is() {
+    // As large as the picture: 272 million pixels, and 2^28 are the most.
+    let (width, height) = (17_000, 16_000);
+    let svg = format!(
+        "<svg xmlns='http://www.w3.org/2000/svg' width='{width}' height='{height}'>
+        <pattern id='p' width='{width}' height='{height}' patternUnits='userSpaceOnUse'><path d='M1 1h9v9z'/></pattern>
+        <rect width='{width}' height='{height}' fill='url(#p)'/></svg>"
+    );
+    let scene = Scene::from_bytes(svg.as_bytes(), &Options::default()).expect("a drawing");
+    let mut renderer = Renderer::new(Settings::default()).expect("good settings");
+    let done = renderer.render_bands(&scene, &Viewport::fit(&scene, width, height), |_| Ok(()));
+    assert!(matches!(&done, Err(Error::Limit(why)) if why.contains("would hold more")), "{done:?}");
 }
 
 #[test]

@@ -11,6 +11,7 @@ use super::report::Voice;
 use super::sequence::{self, Origin};
 use super::size::{Fit, Part};
 use super::values::{self, Color, Format, PerfStyle, ProgressStyle};
+use super::view::View;
 use super::Job;
 use clap::{CommandFactory, Parser, ValueHint};
 use std::ffi::OsString;
@@ -352,15 +353,17 @@ fn picture_job(arguments: Arguments, plan: Plan) -> Result<(RenderJob, SequenceO
     let Arguments { size, picture, file, sequence, part, reading, report, .. } = arguments;
     let job = RenderJob {
         plan,
-        options,
-        resources_dir: reading.resources_dir,
-        fit: fit(&size),
-        part: part.part(),
-        max_pixels: size.max_pixels,
-        settings: picture.settings(report.perf.is_some())?,
+        view: View {
+            options,
+            resources_dir: reading.resources_dir,
+            fit: fit(&size),
+            part: part.part(),
+            max_pixels: size.max_pixels,
+            settings: picture.settings(report.perf.is_some())?,
+            voice: Voice { quiet: report.quiet },
+        },
         effort: values::effort(file.fast_png, file.small_png),
         perf: report.perf,
-        voice: Voice { quiet: report.quiet },
         progress: told(report.progress, report.quiet),
     };
     Ok((job, sequence))

@@ -5,7 +5,7 @@ use super::places::{Source, Target};
 use super::report::{self, Failure, Progress, Voice};
 use super::size::{self, Fit, Part};
 use super::values::ProgressStyle;
-use super::{input, render};
+use super::{input, render, view};
 use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -94,7 +94,7 @@ fn run_here(mut job: CompareJob) -> ExitCode {
 
 fn one(job: &mut CompareJob, source: &Source, progress: &mut Progress) -> Result<Comparison, Failure> {
     let bytes = input::read(source)?;
-    job.reading.usvg.resources_dir = job.resources_dir.clone().or_else(|| render::folder_of(source));
+    job.reading.usvg.resources_dir = job.resources_dir.clone().or_else(|| view::folder_of(source));
     let parsing = Instant::now();
     let (tree, unmatched) = load::tree_and_warnings(&bytes, &job.reading)?;
     let viewport = size::viewport(&tree, &Part::Page, job.fit, job.max_pixels)?;

@@ -3,17 +3,15 @@
 
 use super::perf::samples_a_side;
 use super::places::Source;
-use super::report::{self, Failure, Voice};
-use super::size::{self, Fit, Part};
+use super::report::{self, Failure};
+use super::view::{Seen, View};
 use super::{input, render};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
-use std::path::PathBuf;
 use std::process::ExitCode;
 use toon_raster::frames::Timeline;
 use toon_raster::plan::LayerPlan;
-use toon_raster::scene::load;
 use toon_raster::{
     Census, Highlights, LitSurface, Options, Plan, Renderer, Scene, Settings, Viewport, Warning,
 };
@@ -22,14 +20,7 @@ use toon_raster::{
 pub struct ExplainJob {
     pub inputs: Vec<Source>,
     pub json: bool,
-    pub options: Options,
-    /// Where relative links start from; `None` for each drawing's own folder.
-    pub resources_dir: Option<PathBuf>,
-    pub fit: Fit,
-    pub part: Part,
-    pub max_pixels: u64,
-    pub settings: Settings,
-    pub voice: Voice,
+    pub view: View,
 }
 
 /// Does it.
@@ -64,20 +55,12 @@ fn run_here(mut job: ExplainJob) -> ExitCode {
 
 fn one(job: &mut ExplainJob, source: &Source) -> Result<Explanation, Failure> {
     let bytes = input::read(source)?;
-    job.options.usvg.resources_dir = job.resources_dir.clone().or_else(|| render::folder_of(source));
-    let (tree, unmatched) = load::tree_and_warnings(&bytes, &job.options)?;
-    let viewport = size::viewport(&tree, &job.part, job.fit, job.max_pixels)?;
-    let scene = match &job.part {
-        Part::Element { id, .. } => Scene::from_element(&tree, id)?,
-        Part::Page | Part::Drawing => Scene::from_tree(&tree)?,
-    };
-    drop(tree);
-    report::warnings(&source.name(), scene.warnings(), job.voice);
-    report::warnings(&source.name(), &unmatched, job.voice);
+    let Seen { scene, viewport, unmatched } = job.view.open(source, &bytes)?;
+    let settings = &job.view.settings;
     let census = scene.census()?;
-    let plan = Plan::of(&scene, &viewport, &job.settings)?;
+    let plan = Plan::of(&scene, &viewport, settings)?;
     let lights = match census.highlights > 0 && plan.refused.is_none() {
-        true => lights(&scene, &viewport, &job.settings)?,
+        true => lights(&scene, &viewport, settings)?,
         false => Vec::new(),
     };
     let warnings = scene.warnings().iter().chain(&unmatched);
@@ -85,11 +68,11 @@ fn one(job: &mut ExplainJob, source: &Source) -> Result<Explanation, Failure> {
         input: source.name(),
         width: viewport.width,
         height: viewport.height,
-        method: job.settings.method.to_string(),
-        threads: job.settings.thread_count(),
-        motion: Motion::of(&bytes, &job.options),
+        method: settings.method.to_string(),
+        threads: settings.thread_count(),
+        motion: Motion::of(&bytes, &job.view.options),
         not_drawn: warnings.map(not_drawn).collect(),
-        settings: job.settings.clone(),
+        settings: settings.clone(),
         census,
         plan,
         lights,
@@ -210,6 +193,10 @@ impl Explanation {
             true => "a layer of pixels, and what lies below it drawn a second time there",
             false => by_region,
         };
+        let filter = match in_layers("filter") {
+            true => "a layer of pixels over the filter region, and one for each primitive in use",
+            false => "shapes in other colours; no layer",
+        };
         [
             ("opacity", opacity, "what lies behind stays in the z-list and is composited"),
             ("groups", groups, "a cel of its own for each open group, one band high"),
@@ -227,11 +214,7 @@ impl Explanation {
                 images,
                 "decoded once; a layer by summed areas where smaller, by four samples where larger",
             ),
-            (
-                "filters",
-                filters,
-                "a layer of pixels over the filter region, and one for each primitive in use",
-            ),
+            ("filters", filters, filter),
             ("highlights", highlights, highlight),
             ("text", text, "fonts are loaded; outlines like any others"),
             ("blend_modes", blend_modes, blend),

@@ -5,6 +5,7 @@ use super::explain::ExplainJob;
 use super::fonts::FontOptions;
 use super::places::Source;
 use super::report::Voice;
+use super::view::View;
 use super::Job;
 use clap::ValueHint;
 use std::path::PathBuf;
@@ -59,13 +60,15 @@ impl ExplainArguments {
         Ok(Job::Explain(Box::new(ExplainJob {
             inputs,
             json: self.json,
-            options: args::options(&self.reading, &self.size, &self.fonts)?,
-            resources_dir: self.reading.resources_dir,
-            fit: args::fit(&self.size),
-            part: self.part.part(),
-            max_pixels: self.size.max_pixels,
-            settings: self.picture.settings(true)?,
-            voice: Voice { quiet: self.quiet },
+            view: View {
+                options: args::options(&self.reading, &self.size, &self.fonts)?,
+                resources_dir: self.reading.resources_dir,
+                fit: args::fit(&self.size),
+                part: self.part.part(),
+                max_pixels: self.size.max_pixels,
+                settings: self.picture.settings(true)?,
+                voice: Voice { quiet: self.quiet },
+            },
         })))
     }
 }

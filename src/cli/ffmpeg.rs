@@ -133,7 +133,7 @@ fn coding(video: &Video) -> Result<Vec<String>, Error> {
         )),
     }
     if video.format != Format::Webp {
-        let matrix = if yuv.bt709 { "bt709" } else { "smpte170m" };
+        let matrix = matrix(yuv);
         add(&format!("-colorspace {matrix} -color_primaries bt709 -color_trc iec61966-2-1 -color_range tv"));
     }
     let container = video.format.extension();
@@ -142,11 +142,19 @@ fn coding(video: &Video) -> Result<Vec<String>, Error> {
     Ok(words)
 }
 
+fn matrix(yuv: Yuv) -> &'static str {
+    if yuv.bt709 {
+        "bt709"
+    } else {
+        "smpte170m"
+    }
+}
+
 /// From RGB to limited-range YUV, exactly; H.264 with half the chroma wants an even size, so that a last
 /// column or row comes twice.
 fn filters(video: &Video, pixels: &str) -> String {
     let yuv = video.yuv;
-    let matrix = if yuv.bt709 { "bt709" } else { "smpte170m" };
+    let matrix = matrix(yuv);
     let scale = format!(
         "scale=out_color_matrix={matrix}:out_range=tv:flags=accurate_rnd+full_chroma_int+full_chroma_inp"
     );

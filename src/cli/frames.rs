@@ -3,14 +3,14 @@
 
 use super::movie::{Look, Reel};
 use super::output::Output;
-use super::painting::{scene, Film, Frame, Painter, Shutter, Studio, What};
+use super::painting::{Film, Frame, Painter, Shutter, Studio, What};
 use super::perf::SequencePerf;
 use super::places::Target;
 use super::render::RenderJob;
 use super::report::{self, Failure, Progress};
 use super::sequence::{Destination, Numbered, Origin};
-use super::size;
 use super::values::{self, Format, YuvChoice};
+use super::view::{Seen, View};
 use super::{input, render, temporary};
 use std::io::Write;
 use std::process::ExitCode;
@@ -20,7 +20,6 @@ use toon_raster::frames::gallery::Made;
 use toon_raster::frames::list::FrameList;
 use toon_raster::frames::sequence::in_order;
 use toon_raster::frames::Timeline;
-use toon_raster::scene::load;
 use toon_raster::{Error, Pixmap, Viewport};
 
 /// The options of sequences.
@@ -132,20 +131,19 @@ impl Shoot {
             Origin::Animated(source) => {
                 let name = source.name();
                 let bytes = input::read(source)?;
-                let picture = &mut job.picture;
-                picture.options.usvg.resources_dir =
-                    picture.resources_dir.clone().or_else(|| render::folder_of(source));
-                let timeline = Timeline::read(&bytes, &picture.options)?;
-                let viewport = first_look(&timeline, &name, picture)?;
+                let view = &mut job.picture.view;
+                view.stand_at(source);
+                let timeline = Timeline::read(&bytes, &view.options)?;
+                let viewport = first_look(&timeline, &name, view)?;
                 let count = timeline.length().frames(rate.fps());
                 film = Some(Film { timeline, viewport });
                 sampled(&job, &name, count, rate)?
             }
             Origin::Files(files) => {
                 // The frames of a film stand side by side.
-                let folder = files.first().and_then(|(_, source)| render::folder_of(source));
-                let picture = &mut job.picture;
-                picture.options.usvg.resources_dir = picture.resources_dir.clone().or(folder);
+                if let Some((_, source)) = files.first() {
+                    job.picture.view.stand_at(source);
+                }
                 listed(&job, files)
             }
         };
@@ -157,7 +155,7 @@ impl Shoot {
         if frames.is_empty() && job.options.chunk.is_none() {
             return Err(Failure::input("no frame of it is in --frames"));
         }
-        let threads = job.picture.settings.thread_count();
+        let threads = job.picture.view.settings.thread_count();
         Ok(Shoot { job, frames, rate, film, threads, started })
     }
 
@@ -169,7 +167,7 @@ impl Shoot {
         let shutter = options.shutter.map(open);
         let workers = self.threads.min(self.frames.len());
         let studio =
-            Studio::new(&self.job.picture, self.film.as_ref(), shutter, options.verify_reuse, workers);
+            Studio::new(&self.job.picture.view, self.film.as_ref(), shutter, options.verify_reuse, workers);
         let (failures, made) = match &self.job.destination {
             Destination::One(target) => self.to_one(&studio, target, &mut progress),
             _ => (self.to_files(&studio, &mut progress), true),
@@ -258,13 +256,15 @@ impl Shoot {
             return Ok(output.write_all(picture.data())?);
         }
         let effort = self.job.picture.effort;
-        let mut png = PngWriter::new(output, picture.width(), picture.height(), self.opaque(), effort)?;
+        let mut png = PngWriter::new(
+            output,
+            picture.width(),
+            picture.height(),
+            self.job.picture.view.is_opaque(),
+            effort,
+        )?;
         png.write_rows(picture.data())?;
         png.finish()
-    }
-
-    fn opaque(&self) -> bool {
-        self.job.picture.settings.background.is_some_and(|color| color[3] == 255)
     }
 
     /// What failed, and whether the file was made all the same.
@@ -345,7 +345,7 @@ impl Shoot {
         Look {
             format: self.job.picture.plan.format,
             frames: self.frames.len() as u32,
-            opaque: self.opaque(),
+            opaque: self.job.picture.view.is_opaque(),
             rate: self.rate,
             effort: self.job.picture.effort,
             plays,
@@ -378,12 +378,9 @@ fn exists(target: &Target) -> bool {
 }
 
 /// What an animated drawing shows at its start: the viewport of all its frames, and what to warn of.
-fn first_look(timeline: &Timeline, name: &str, picture: &RenderJob) -> Result<Viewport, Failure> {
-    let (tree, unmatched) = load::tree_and_warnings(timeline.document_at(0.0).as_bytes(), &picture.options)?;
-    let viewport = size::viewport(&tree, &picture.part, picture.fit, picture.max_pixels)?;
-    report::warnings(name, scene(&tree, &picture.part)?.warnings(), picture.voice);
-    report::warnings(name, &unmatched, picture.voice);
-    if let Some(what) = timeline.not_evaluated().filter(|_| !picture.voice.quiet) {
+fn first_look(timeline: &Timeline, name: &str, view: &View) -> Result<Viewport, Failure> {
+    let Seen { viewport, .. } = view.see(timeline.document_at(0.0).as_bytes(), name)?;
+    if let Some(what) = timeline.not_evaluated().filter(|_| !view.voice.quiet) {
         report::line(&format!("{name}: warning: not animated: {what}"));
     }
     Ok(viewport)

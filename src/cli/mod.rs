@@ -46,6 +46,7 @@ pub mod sequence;
 pub mod size;
 pub mod temporary;
 pub mod values;
+pub mod view;
 
 /// What the user asked for.
 pub enum Job {

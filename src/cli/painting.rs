@@ -3,9 +3,9 @@
 use super::input;
 use super::perf::SequenceWork;
 use super::places::Source;
-use super::render::RenderJob;
-use super::report::{self, Failure};
+use super::report::Failure;
 use super::size::{self, Part};
+use super::view::{Seen, View};
 use std::sync::atomic::{AtomicU64, Ordering};
 use toon_raster::frames::cels::Cels;
 use toon_raster::frames::gallery::{Gallery, Made};
@@ -46,7 +46,7 @@ pub struct Film {
 
 /// Makes pictures, on all threads.
 pub struct Studio<'j> {
-    job: &'j RenderJob,
+    view: &'j View,
     film: Option<&'j Film>,
     shutter: Option<Shutter>,
     /// Make each frame once more, from nothing, and compare.
@@ -70,7 +70,7 @@ pub struct Painter {
 impl<'j> Studio<'j> {
     /// For frames that `workers` make at once.
     pub fn new(
-        job: &'j RenderJob,
+        view: &'j View,
         film: Option<&'j Film>,
         shutter: Option<Shutter>,
         verify: bool,
@@ -78,9 +78,9 @@ impl<'j> Studio<'j> {
     ) -> Studio<'j> {
         let gallery = Gallery::new((AHEAD + 1) * workers);
         // Renderers have one thread each, but for a frame alone.
-        let threads = if workers > 1 { 1 } else { job.settings.threads };
+        let threads = if workers > 1 { 1 } else { view.settings.threads };
         let [painted, tiles, rendered] = Default::default();
-        Studio { job, film, shutter, verify, threads, cels: Cels::new(), gallery, painted, tiles, rendered }
+        Studio { view, film, shutter, verify, threads, cels: Cels::new(), gallery, painted, tiles, rendered }
     }
 
     pub fn painter(&self) -> Painter {
@@ -136,7 +136,7 @@ impl<'j> Studio<'j> {
         film: &Film,
         (mut first, time): (Canvas, f64),
     ) -> Result<Canvas, Failure> {
-        let mut exposure = blur::Exposure::new(self.job.settings.linear);
+        let mut exposure = blur::Exposure::new(self.view.settings.linear);
         let mut last = String::new();
         for time in self.moments(time).skip(1) {
             let document = film.timeline.document_at(time);
@@ -178,16 +178,16 @@ impl<'j> Studio<'j> {
     }
 
     fn renderer(&self) -> Result<Renderer, Failure> {
-        Ok(Renderer::new(Settings { threads: self.threads, ..self.job.settings.clone() })?)
+        Ok(Renderer::new(Settings { threads: self.threads, ..self.view.settings.clone() })?)
     }
 
     /// What an animated drawing shows at a time.
     fn moment(&self, film: &Film, time: f64) -> Result<Scene, Failure> {
-        let options = &self.job.options;
-        match &self.job.part {
+        let options = &self.view.options;
+        match &self.view.part {
             Part::Element { .. } => {
                 let document = film.timeline.document_at(time);
-                scene(&load::tree_from_bytes(document.as_bytes(), options)?, &self.job.part)
+                self.view.scene(&load::tree_from_bytes(document.as_bytes(), options)?)
             }
             Part::Page | Part::Drawing => Ok(film.timeline.scene_at(time, &self.cels, options)?),
         }
@@ -195,20 +195,18 @@ impl<'j> Studio<'j> {
 
     /// What a drawing shows, and its viewport. What it calls for and is not drawn is told.
     fn drawing(&self, bytes: &[u8], name: &str) -> Result<(Scene, Viewport), Failure> {
-        let RenderJob { options, part, fit, max_pixels, voice, .. } = self.job;
-        if let Some(scene) =
-            Some(part).filter(|part| matches!(part, Part::Page)).and_then(|_| self.cels.scene(bytes, options))
-        {
-            let size = usvg::Size::from_wh(scene.size().width as f32, scene.size().height as f32);
-            let size = size.ok_or_else(|| Failure::input("the drawing has no size"))?;
-            return Ok((scene, size::page(size, *fit, *max_pixels)?));
-        }
-        let (tree, unmatched) = load::tree_and_warnings(bytes, options)?;
-        let scene = scene(&tree, part)?;
-        let viewport = size::viewport(&tree, part, *fit, *max_pixels)?;
-        report::warnings(name, scene.warnings(), *voice);
-        report::warnings(name, &unmatched, *voice);
-        Ok((scene, viewport))
+        let View { options, part, fit, max_pixels, .. } = self.view;
+        let kept = match part {
+            Part::Page => self.cels.scene(bytes, options),
+            Part::Element { .. } | Part::Drawing => None,
+        };
+        let Some(scene) = kept else {
+            let Seen { scene, viewport, .. } = self.view.see(bytes, name)?;
+            return Ok((scene, viewport));
+        };
+        let size = usvg::Size::from_wh(scene.size().width as f32, scene.size().height as f32);
+        let size = size.ok_or_else(|| Failure::input("the drawing has no size"))?;
+        Ok((scene, size::page(size, *fit, *max_pixels)?))
     }
 
     /// Makes a frame from nothing, and compares.
@@ -225,20 +223,20 @@ impl<'j> Studio<'j> {
     /// A frame made from nothing.
     fn whole(&self, frame: &Frame) -> Result<Pixmap, Failure> {
         let mut renderer = self.renderer()?;
-        let RenderJob { options, part, fit, max_pixels, .. } = self.job;
+        let View { options, part, fit, max_pixels, .. } = self.view;
         let mut render = |bytes: &[u8]| {
             let tree = load::tree_from_bytes(bytes, options)?;
             let viewport = match self.film {
                 Some(film) => film.viewport,
                 None => size::viewport(&tree, part, *fit, *max_pixels)?,
             };
-            Ok::<_, Failure>(renderer.render(&scene(&tree, part)?, &viewport)?)
+            Ok::<_, Failure>(renderer.render(&self.view.scene(&tree)?, &viewport)?)
         };
         let (time, film) = match (&frame.what, self.film) {
             (What::Drawing(source), _) => return render(&input::read(source)?),
             (What::At(time), film) => (*time, film.expect("times are of an animated drawing")),
         };
-        let mut exposure = blur::Exposure::new(self.job.settings.linear);
+        let mut exposure = blur::Exposure::new(self.view.settings.linear);
         let mut moments = self.moments(time);
         let mut moment = |time| Ok::<_, Failure>(render(film.timeline.document_at(time).as_bytes())?.into());
         let mut first: Canvas = moment(moments.next().expect("there is a moment"))?;
@@ -257,19 +255,10 @@ fn differ(one: &Pixmap, other: &Pixmap) -> Option<String> {
     if (width, height) != whole {
         return Some(format!("it has {width} x {height} pixels, and {} x {}", whole.0, whole.1));
     }
-    let pixels = |picture: &Pixmap| picture.data().as_chunks::<4>().0.to_vec();
-    let (one, other) = (pixels(one), pixels(other));
-    let at = one.iter().zip(&other).position(|(a, b)| a != b)?;
+    let (one, other) = (one.data().as_chunks::<4>().0, other.data().as_chunks::<4>().0);
+    let at = one.iter().zip(other).position(|(a, b)| a != b)?;
     let (x, y) = (at % width as usize, at / width as usize);
     Some(format!("the pixel at {x}, {y} is {:?}, and {:?}", one[at], other[at]))
-}
-
-/// What of a tree is drawn.
-pub fn scene(tree: &usvg::Tree, part: &Part) -> Result<Scene, Failure> {
-    Ok(match part {
-        Part::Element { id, .. } => Scene::from_element(tree, id)?,
-        Part::Page | Part::Drawing => Scene::from_tree(tree)?,
-    })
 }
 
 #[cfg(test)]

@@ -7,31 +7,22 @@ use super::input;
 use super::output::Output;
 use super::perf::Perf;
 use super::places::{Plan, Source, Target};
-use super::report::{self, Failure, Progress, Voice};
-use super::size::{self, Fit, Part};
+use super::report::{self, Failure, Progress};
 use super::values::{Format, PerfStyle, ProgressStyle};
+use super::view::{Seen, View};
 use std::io::{self, Write};
-use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::mpsc;
 use std::time::{Duration, Instant};
 use toon_raster::encode::{Effort, PngWriter};
-use toon_raster::scene::load;
-use toon_raster::{Error, Options, Renderer, Scene, Settings, Viewport};
+use toon_raster::{Error, Renderer, Scene, Viewport};
 
 /// Drawings to pictures.
 pub struct RenderJob {
     pub plan: Plan,
-    pub options: Options,
-    /// Where relative links start from; `None` for each drawing's own folder.
-    pub resources_dir: Option<PathBuf>,
-    pub fit: Fit,
-    pub part: Part,
-    pub max_pixels: u64,
-    pub settings: Settings,
+    pub view: View,
     pub effort: Effort,
     pub perf: Option<PerfStyle>,
-    pub voice: Voice,
     pub progress: ProgressStyle,
 }
 
@@ -103,24 +94,14 @@ fn one(
     let started = Instant::now();
     let bytes = input::read(source)?;
     let read = started.elapsed();
-    job.options.usvg.resources_dir = job.resources_dir.clone().or_else(|| folder_of(source));
-
     let parsing = Instant::now();
-    let (tree, unmatched) = load::tree_and_warnings(&bytes, &job.options)?;
+    let Seen { scene, viewport, .. } = job.view.open(source, &bytes)?;
     drop(bytes);
-    let viewport = size::viewport(&tree, &job.part, job.fit, job.max_pixels)?;
-    let scene = match &job.part {
-        Part::Element { id, .. } => Scene::from_element(&tree, id)?,
-        Part::Page | Part::Drawing => Scene::from_tree(&tree)?,
-    };
-    drop(tree);
     let parse = parsing.elapsed();
-    report::warnings(&source.name(), scene.warnings(), job.voice);
-    report::warnings(&source.name(), &unmatched, job.voice);
 
     let renderer = match renderer {
         Some(renderer) => renderer,
-        None => renderer.insert(Renderer::new(job.settings.clone())?),
+        None => renderer.insert(Renderer::new(job.view.settings.clone())?),
     };
     let mut output = Output::create(target)?;
     let times = picture(job, renderer, &scene, &viewport, &mut output);
@@ -135,7 +116,7 @@ fn one(
             output: target.name(),
             width: viewport.width,
             height: viewport.height,
-            threads: job.settings.thread_count(),
+            threads: job.view.settings.thread_count(),
             read,
             parse,
             raster,
@@ -148,14 +129,6 @@ fn one(
     Ok(())
 }
 
-/// Where relative links of a drawing start from.
-pub fn folder_of(source: &Source) -> Option<PathBuf> {
-    match source {
-        Source::Stdin => None,
-        Source::File(path) => std::fs::canonicalize(path).ok()?.parent().map(Path::to_path_buf),
-    }
-}
-
 /// Renders and encodes; the time of each.
 fn picture(
     job: &RenderJob,
@@ -165,7 +138,7 @@ fn picture(
     output: &mut Output,
 ) -> Result<(Duration, Duration), Error> {
     let pixels = viewport.width as u64 * viewport.height as u64;
-    if job.settings.thread_count() > 1 && pixels >= WORTH_A_THREAD {
+    if job.view.settings.thread_count() > 1 && pixels >= WORTH_A_THREAD {
         overlapped(job, renderer, scene, viewport, output)
     } else {
         in_turn(job, renderer, scene, viewport, output)
@@ -251,7 +224,7 @@ enum Encoder<'o> {
 impl<'o> Encoder<'o> {
     fn new(job: &RenderJob, viewport: &Viewport, output: &'o mut Output) -> Result<Encoder<'o>, Error> {
         // Whatever is painted over an opaque background leaves it opaque.
-        let opaque = job.settings.background.is_some_and(|color| color[3] == 255);
+        let opaque = job.view.is_opaque();
         match job.plan.format {
             Format::Png => {
                 let Viewport { width, height, .. } = *viewport;

@@ -194,6 +194,7 @@ impl<'a> Cutter<'a> {
             } else if self.is_frame(child, depth) {
                 self.frame(child, within, depth + 1)?;
             } else if !SILENT.contains(&tag) {
+                // All that is in `defs` is there to be linked to.
                 let linked = LINKED.contains(&tag) || node.tag_name().name() == "defs";
                 self.homes.push((child, self.pieces.len()));
                 self.piece(child.range(), if linked { Role::Linked } else { Role::Drawn }, within);

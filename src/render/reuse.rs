@@ -9,7 +9,7 @@ use crate::edges::BAND_ROWS;
 use crate::methods::{painter, Painter};
 use crate::outlines::{BandLists, Outlines};
 use crate::scene::print::Print;
-use crate::tiles::{self, tile_columns, Origin, Plan, TILE_COLUMNS};
+use crate::tiles::{self, tile_columns, Origin, TilePlan, TILE_COLUMNS};
 use crate::{Error, Pixmap, Scene};
 
 /// A picture that knows what its tiles were made from.
@@ -129,7 +129,7 @@ impl Renderer {
         let settings = self.settings.clone();
         let plan = |scene: &Scene, outlines: &Outlines, lists: &BandLists| {
             let prints = tiles::prints(scene, (outlines, lists), viewport, &settings);
-            Some(Plan::new(width, prints, by_tiles, shown))
+            Some(TilePlan::new(width, prints, by_tiles, shown))
         };
         let buffer = canvas.picture.data_mut();
         let plan = self.prepare(scene, viewport, plan, |renderer, picture, _| {
@@ -142,7 +142,7 @@ impl Renderer {
             renderer.bands(picture, height, 0..bands, buffer, stride);
             Ok(())
         })?;
-        let Plan { origins, prints, .. } = plan.expect("it was made");
+        let TilePlan { origins, prints, .. } = plan.expect("it was made");
         canvas.prints = prints;
         let rendered = origins.iter().filter(|origin| **origin == Origin::Rendered).count() as u64;
         Ok(TileCount { all, rendered })
