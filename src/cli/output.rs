@@ -12,8 +12,9 @@ use std::path::Path;
 
 /// An output being written.
 pub struct Output {
-    writer: BufWriter<Box<dyn Write + Send>>,
+    // Removed, if it comes to that, before the writer lifts its lock.
     unfinished: Option<Temporary>,
+    writer: BufWriter<Box<dyn Write + Send>>,
     name: String,
 }
 

@@ -4,6 +4,7 @@
 //! no hidden file; one left by SIGKILL is removed by the next who writes to the same place. A lock tells
 //! whose writer is alive: the system lifts it when the process ends, however it does.
 
+use same_file::Handle;
 use std::collections::BTreeSet;
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io;
@@ -41,7 +42,7 @@ impl Temporary {
             let mut live = live();
             match OpenOptions::new().write(true).create_new(true).open(&path) {
                 // Between being made and locked it may have passed for an abandoned one.
-                Ok(file) if is_ours(&file) && path.exists() => {
+                Ok(file) if is_ours(&file) && is_at(&file, &path) => {
                     live.insert(path.clone());
                     return Ok((Temporary { path, place: place.to_path_buf(), hidden: true }, file));
                 }
@@ -112,9 +113,23 @@ fn is_ours(file: &File) -> bool {
 
 /// Removes a hidden file unless its writer is alive.
 fn remove_abandoned(path: &Path) {
-    if OpenOptions::new().write(true).open(path).is_ok_and(|file| file.try_lock().is_ok()) {
+    if let Ok(file) = OpenOptions::new().write(true).open(path) {
+        remove_if_abandoned(path, &file);
+    }
+}
+
+/// The same, of a file that was found there: meanwhile it may have taken its place, and another writer's
+/// may have its hidden name.
+fn remove_if_abandoned(path: &Path, file: &File) {
+    if file.try_lock().is_ok() && is_at(file, path) {
         let _ = fs::remove_file(path);
     }
+}
+
+/// Whether a path still leads to an open file.
+fn is_at(file: &File, path: &Path) -> bool {
+    let open = file.try_clone().and_then(Handle::from_file);
+    open.is_ok_and(|open| Handle::from_path(path).is_ok_and(|there| open == there))
 }
 
 #[cfg(unix)]
@@ -195,6 +210,19 @@ mod tests {
         drop(other);
         mine.take_place().unwrap();
         assert_eq!(fs::read(&place).unwrap(), b"mine");
+        fs::remove_dir_all(place.parent().unwrap()).unwrap();
+    }
+
+    #[test]
+    fn whoever_found_a_file_that_has_its_name_by_now_leaves_the_next_writers_alone() {
+        let place = place("found");
+        let (first, first_file) = Temporary::create(&place).unwrap();
+        let found = OpenOptions::new().write(true).open(first.path()).unwrap();
+        first.take_place().unwrap();
+        drop(first_file);
+        let (second, _second_file) = Temporary::create(&place).unwrap();
+        remove_if_abandoned(second.path(), &found);
+        second.take_place().unwrap();
         fs::remove_dir_all(place.parent().unwrap()).unwrap();
     }
 
