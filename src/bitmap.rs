@@ -82,10 +82,19 @@ pub(crate) fn word_masks(from: usize, to: usize) -> impl Iterator<Item = (usize,
 #[inline(always)]
 pub(crate) fn for_runs(mut bits: u64, mut take: impl FnMut(usize, usize)) {
     while bits != 0 {
-        let from = bits.trailing_zeros();
-        let to = from + (!(bits >> from)).trailing_zeros().min(64 - from);
-        take(from as usize, to as usize);
-        bits &= if to == 64 { 0 } else { u64::MAX << to };
+        // Adding its lowest bit to a run clears it, and sets the bit behind it.
+        let behind = bits.wrapping_add(bits & bits.wrapping_neg());
+        take(bits.trailing_zeros() as usize, behind.trailing_zeros() as usize);
+        bits &= behind;
+    }
+}
+
+/// Calls `take` with each set bit of one word.
+#[inline(always)]
+pub(crate) fn for_bits(mut bits: u64, mut take: impl FnMut(usize)) {
+    while bits != 0 {
+        take(bits.trailing_zeros() as usize);
+        bits &= bits - 1;
     }
 }
 

@@ -14,7 +14,7 @@
 
 mod groups;
 
-use crate::bitmap::{for_runs, word_masks, Bitmap};
+use crate::bitmap::{for_bits, for_runs, word_masks, Bitmap};
 use crate::coverage::Part;
 use crate::edges::{Bounds, BAND_ROWS};
 use crate::pixel::resolve::NEGLIGIBLE;
@@ -241,7 +241,12 @@ impl Cel {
                 darkest = if sheet.through() < darkest { sheet.through() } else { darkest };
             };
             match brush {
-                Brush::Flat(behind, _) => sheets.iter_mut().for_each(|sheet| paint(sheet, *behind)),
+                Brush::Flat(behind, _) => {
+                    // By fours: the loop itself would be a third of the work.
+                    let (fours, rest) = sheets.as_chunks_mut::<4>();
+                    fours.iter_mut().for_each(|four| four.iter_mut().for_each(|sheet| paint(sheet, *behind)));
+                    rest.iter_mut().for_each(|sheet| paint(sheet, *behind));
+                }
                 Brush::Gradient { shader, .. } => {
                     shader.row(first + a, y, sheets.len(), |i, behind| paint(&mut sheets[i], behind));
                 }
@@ -252,11 +257,7 @@ impl Cel {
                 }
             }
         });
-        for_runs(listed, |a, b| {
-            for x in a..b {
-                self.append_whole(start + x, brush, entries);
-            }
-        });
+        for_bits(listed, |x| self.append_whole(start + x, brush, entries));
         saturated
     }
 

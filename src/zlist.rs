@@ -70,19 +70,14 @@ impl ZLists<'_> {
             resolver.counts.one_fragment += 1;
             return Some(mean);
         }
-        match self.entries.get(entry.next as usize) {
-            Some(second) if second.part != WHOLE => {
-                self.tiled(entry, head.front, around, resolver).or_else(|| self.few(head, around, resolver))
-            }
-            _ => {
-                let behind = self.sheets_behind(entry.next, around.background)?;
-                let mut mean = Mean::default();
-                mean.add(head.front.over(sheet.over(behind)), first.area(), around.linear);
-                mean.add(head.front.over(behind), PIXEL_AREA - first.area(), around.linear);
-                resolver.counts.one_fragment += 1;
-                Some(mean)
-            }
+        if let Some(behind) = self.sheets_behind(entry.next, around.background) {
+            let mut mean = Mean::default();
+            mean.add(head.front.over(sheet.over(behind)), first.area(), around.linear);
+            mean.add(head.front.over(behind), PIXEL_AREA - first.area(), around.linear);
+            resolver.counts.one_fragment += 1;
+            return Some(mean);
         }
+        self.tiled(entry, head.front, around, resolver).or_else(|| self.few(head, around, resolver))
     }
 
     /// An entry of one fragment and one colour.
@@ -138,6 +133,9 @@ impl ZLists<'_> {
             for (sheet, leaf) in &sheets[..count] {
                 if set & leaf == *leaf {
                     front = front.over(*sheet);
+                    if sheet.is_opaque() {
+                        break;
+                    }
                 }
             }
             mean.add(front.over(around.background), *area, around.linear);

@@ -5,7 +5,7 @@
 //! differ by the piece's own fragment; inside which of the others it lies is looked up where a border
 //! begins, and changes where it crosses theirs. Borders that touch are left to [`super::boundary`].
 
-use super::fragment::{side, Fragment, PieceSteps};
+use super::fragment::{joint, side, Fragment, PieceSteps, PIXEL_AREA};
 use crate::edges::{round, ONE};
 use crate::scene::FillRule;
 use crate::strips::{Piece, NO_PIECE};
@@ -34,12 +34,14 @@ pub(crate) struct Few {
 /// One fragment's border.
 struct Border {
     lines: Vec<Line>,
-    /// Steps of the winding number going down the pixel's left border: (y, step).
+    /// Steps of the winding number going down the pixel's left border, sorted: (y, step).
     steps: Vec<(i32, i32)>,
     /// The winding number in the pixel's top left corner.
     corner: i32,
     rule: FillRule,
     sense: i32,
+    /// Of the fragment.
+    area: i64,
     /// Left, top, right, bottom.
     bounds: [i32; 4],
 }
@@ -88,6 +90,14 @@ impl Few {
             return None;
         }
         let mut areas = [0; 1 << MOST_LEAVES];
+        if self.count == 2 && self.crossings.is_empty() {
+            // So it is with most of these pixels.
+            let [one, other, ..] = &self.borders;
+            let both = area_of_both(one, other);
+            let (one, other) = (one.area - both, other.area - both);
+            areas[..4].copy_from_slice(&[PIXEL_AREA - one - other - both, one, other, both]);
+            return Some(areas);
+        }
         self.along_left_border(&mut areas);
         for own in 0..self.count {
             self.along(own, &mut areas);
@@ -198,6 +208,39 @@ impl Few {
     }
 }
 
+/// The area that two fragments have in common, whose borders do not meet: of each border all or nothing of
+/// what hangs together lies in the other fragment.
+fn area_of_both(one: &Border, other: &Border) -> i64 {
+    one.area_right_of_part_in(other)
+        + other.area_right_of_part_in(one)
+        + area_right_of_left_border(one, other)
+}
+
+/// What lies right of the part of the pixel's left border that is in both.
+fn area_right_of_left_border(one: &Border, other: &Border) -> i64 {
+    let (mut a, mut b) = (one.corner, other.corner);
+    let is_inside = |a: i32, b: i32| one.rule.inside(a) && other.rule.inside(b);
+    let (mut one_steps, mut other_steps) = (one.steps.as_slice(), other.steps.as_slice());
+    let (mut height, mut from) = (0, 0);
+    loop {
+        let is_one_next = match (one_steps.first(), other_steps.first()) {
+            (Some(next), Some(others)) => next.0 <= others.0,
+            (next, _) => next.is_some(),
+        };
+        let steps = if is_one_next { &mut one_steps } else { &mut other_steps };
+        let next = steps.split_off_first();
+        let to = next.map_or(ONE, |next| next.0);
+        if is_inside(a, b) {
+            height += to - from;
+        }
+        let Some(&(y, step)) = next else {
+            return i64::from(height) * i64::from(2 * ONE);
+        };
+        from = y;
+        *if is_one_next { &mut a } else { &mut b } += step;
+    }
+}
+
 /// Where borders cross, their parts have rounded ends, so that an area may come out a few units short of
 /// nothing. It becomes nothing, at the largest one's cost.
 fn mend_rounding(areas: &mut Areas) {
@@ -231,7 +274,31 @@ impl Border {
             }
         }
         (self.corner, self.rule, self.sense) = (base.corner(), fragment.rule, fragment.sense.into());
+        self.area = fragment.area();
+        self.steps.sort_unstable();
         self.sense != 0 && self.lines.len() <= MOST_PIECES
+    }
+
+    /// What lies right of the lines that are in another fragment, whose border they do not meet.
+    fn area_right_of_part_in(&self, other: &Border) -> i64 {
+        let mut area = 0;
+        let mut before = [-1; 4];
+        let mut is_inside = false;
+        for line in &self.lines {
+            let [x0, y0, x1, y1] = line.ends;
+            if y0 == y1 {
+                // It has no height.
+                continue;
+            }
+            if joint(line.ends, before).is_none() {
+                is_inside = other.has_inside(x0, y0);
+            }
+            before = line.ends;
+            if is_inside {
+                area += i64::from(line.winding * (y1 - y0)) * i64::from(2 * ONE - x0 - x1);
+            }
+        }
+        i64::from(self.sense) * area
     }
 
     /// Does a point above the pixel's lower border, which lies on none of the lines, lie in the fragment?
@@ -247,7 +314,7 @@ impl Border {
 impl Default for Border {
     fn default() -> Border {
         let (lines, steps) = (Vec::new(), Vec::new());
-        Border { lines, steps, corner: 0, rule: FillRule::NonZero, sense: 0, bounds: [0; 4] }
+        Border { lines, steps, corner: 0, rule: FillRule::NonZero, sense: 0, area: 0, bounds: [0; 4] }
     }
 }
 

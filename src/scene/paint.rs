@@ -45,10 +45,12 @@ impl Sheet {
     /// This sheet in front of another (Porter & Duff's `over`).
     #[inline]
     pub fn over(self, behind: Sheet) -> Sheet {
-        // One formula for all four, so that it can be one vector operation.
-        const KEPT: [f32; 4] = [1.0, 1.0, 1.0, 0.0];
+        // One formula for all four, so that it can be one vector operation: of transmittances,
+        // t + t (u - 1) is their product.
+        const CLEAR: [f32; 4] = Sheet::CLEAR.channels;
         let through = self.through();
-        Sheet { channels: std::array::from_fn(|i| KEPT[i] * self.channels[i] + through * behind.channels[i]) }
+        let channel = |i: usize| self.channels[i] + through * (behind.channels[i] - CLEAR[i]);
+        Sheet { channels: std::array::from_fn(channel) }
     }
 
     #[inline]
