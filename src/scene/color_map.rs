@@ -45,9 +45,9 @@ pub(crate) struct ColorMap {
     /// G on each part, as coefficients of the powers of the way from its start: where straight colours go
     /// straight, premultiplied ones go as a square, and G as its second integral.
     parts: Vec<[Sum; 5]>,
-    /// The length after which it repeats, and its mean, which the integrals are without: infinite and 0 if it
-    /// does not.
-    period: f64,
+    /// How often it repeats in a unit of the parameter: 1, 1/2, or 0 if it does not; and its mean, which the
+    /// integrals of one that does are without.
+    frequency: f64,
     mean: Sum,
 }
 
@@ -60,29 +60,29 @@ impl ColorMap {
     pub fn new(stops: &[Stop], spread: Spread) -> ColorMap {
         let mut places: Vec<(f64, Sum)> =
             stops.iter().map(|stop| (f64::from(stop.offset), stop.color.map(f64::from))).collect();
-        let period = match spread {
-            Spread::Pad => f64::INFINITY,
+        let frequency = match spread {
+            Spread::Pad => 0.0,
             Spread::Repeat => 1.0,
             Spread::Reflect => {
                 let back: Vec<_> = places.iter().rev().map(|&(t, color)| (2.0 - t, color)).collect();
                 places.extend(back);
-                2.0
+                0.5
             }
         };
         let (first, last) = (places[0], places[places.len() - 1]);
         places.insert(0, (0.0, first.1));
-        places.push(if period.is_finite() { (period, last.1) } else { (last.0 + 1.0, last.1) });
+        places.push(if frequency > 0.0 { (1.0 / frequency, last.1) } else { (last.0 + 1.0, last.1) });
         let lines = places.windows(2).filter(|pair| pair[0].0 < pair[1].0);
         let lines: Vec<_> =
             lines.map(|pair| (pair[0].0, pair[1].0, straight_line(pair[0], pair[1]))).collect();
-        let mut map = ColorMap { starts: Vec::new(), parts: Vec::new(), period, mean: [0.0; 4] };
-        if period.is_finite() {
+        let mut map = ColorMap { starts: Vec::new(), parts: Vec::new(), frequency, mean: [0.0; 4] };
+        if frequency > 0.0 {
             // Integrated from F = G = 0 on, without the mean F ends as 0, and with F's own mean taken away so
             // does G.
             let (sum, _) = map.integrate(&lines, [0.0; 4]);
-            map.mean = sum.map(|v| v / period);
+            map.mean = sum.map(|v| v * frequency);
             let (_, second) = map.integrate(&lines, [0.0; 4]);
-            map.integrate(&lines, second.map(|v| -v / period));
+            map.integrate(&lines, second.map(|v| -v * frequency));
         } else {
             map.integrate(&lines, [0.0; 4]);
         }
@@ -116,7 +116,7 @@ impl ColorMap {
             corners.clone().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), (t, _)| (a.min(t), b.max(t)));
         // Sides that go along a line of one colour, nearly.
         let along = 1e-6 * (most - least);
-        let mut points = corners.map(|(t, s)| (t, s, self.second(t)));
+        let mut points = corners.map(|(t, s)| (t, s, self.second(self.reduced(t))));
         let Some(first) = points.next() else {
             return Integral::default();
         };
@@ -127,7 +127,7 @@ impl ColorMap {
             if dt.abs() > along {
                 (0..4).for_each(|i| made.sum[i] += ds * (other[i] - one[i]) / dt);
             } else {
-                let first = self.first(0.5 * (t0 + t1));
+                let first = self.first(self.reduced(0.5 * (t0 + t1)));
                 (0..4).for_each(|i| made.sum[i] += ds * first[i]);
             }
             // From the least on, so that no digits are lost far out.
@@ -143,51 +143,58 @@ impl ColorMap {
     #[inline]
     pub fn over_square(&self, t: f64, along: (f64, f64)) -> Option<[f32; 4]> {
         let (a, b) = (along.0.abs().max(along.1.abs()), along.0.abs().min(along.1.abs()));
+        if !(1e-12..1e12).contains(&a) {
+            return None;
+        }
         let mean: Sum = if b > NARROW * a {
             let (far, near) = (0.5 * (a + b), 0.5 * (a - b));
-            let [last, third, second, first] = [t + far, t + near, t - near, t - far].map(|t| self.second(t));
+            let around = [t + far, t + near, t - near, t - far].map(|t| self.reduced(t));
+            let [last, third, second, first] = around.map(|t| self.second(t));
             let inverse = 1.0 / (a * b);
             std::array::from_fn(|i| ((last[i] - third[i]) - (second[i] - first[i])) * inverse + self.mean[i])
         } else {
-            let (last, first) = (self.first(t + 0.5 * a), self.first(t - 0.5 * a));
+            let [last, first] = [t + 0.5 * a, t - 0.5 * a].map(|t| self.first(self.reduced(t)));
             let inverse = 1.0 / a;
             std::array::from_fn(|i| (last[i] - first[i]) * inverse + self.mean[i])
         };
-        (a > 1e-12 && a.is_finite()).then(|| mean.map(|v| v.clamp(0.0, 1.0) as f32))
+        Some(mean.map(|v| v.clamp(0.0, 1.0) as f32))
     }
 
-    /// F at a parameter.
+    /// A parameter without whole periods.
+    #[inline]
+    fn reduced(&self, t: f64) -> f64 {
+        // Sums with it have no digits behind the point: quicker than rounding downwards.
+        const ROUNDER: f64 = 6_755_399_441_055_744.0;
+        if self.frequency == 0.0 {
+            return t;
+        }
+        let periods = t * self.frequency;
+        let rest = periods - ((periods + ROUNDER) - ROUNDER);
+        let rest = rest + if rest < 0.0 { 1.0 } else { 0.0 };
+        // Numbers too great to have digits behind the point leave anything.
+        rest.min(1.0) * (1.0 / self.frequency)
+    }
+
+    /// F at a reduced parameter.
     #[inline]
     fn first(&self, t: f64) -> Sum {
         let (part, u) = self.part(t);
         slope(part, u)
     }
 
-    /// G at a parameter.
+    /// G at a reduced parameter.
     #[inline]
     fn second(&self, t: f64) -> Sum {
         let (part, u) = self.part(t);
         value(part, u)
     }
 
-    /// The part of a parameter, and the way from its start.
+    /// The part of a reduced parameter, and the way from its start.
     #[inline]
     fn part(&self, t: f64) -> (&[Sum; 5], f64) {
-        let t = if self.period.is_finite() { within_period(t, self.period) } else { t };
         let part = self.starts[1..].partition_point(|&start| start <= t);
         (&self.parts[part], t - self.starts[part])
     }
-}
-
-/// What is left of a number without whole periods, of 1 or 2.
-#[inline]
-fn within_period(t: f64, period: f64) -> f64 {
-    // Sums with it have no digits behind the point: quicker than rounding downwards.
-    const ROUNDER: f64 = 6_755_399_441_055_744.0;
-    let rest = t - ((t / period + ROUNDER) - ROUNDER) * period;
-    let rest = if rest < 0.0 { rest + period } else { rest };
-    // Numbers too great to have digits behind the point.
-    rest.min(period)
 }
 
 /// A polynomial.

@@ -31,6 +31,8 @@ pub(crate) struct GradientShader<'a> {
     apex: f64,
     /// At least the change of any component within a pixel, 0 ..= 1.
     contrast: f64,
+    /// Is no pixel where the map goes straight?
+    turns_everywhere: bool,
     /// Made for the first region in which the colour map turns.
     map: OnceLock<ColorMap>,
 }
@@ -79,12 +81,13 @@ impl<'a> GradientShader<'a> {
         };
         GradientShader {
             gradient,
-            pattern,
-            stretches,
             spot_scale,
             farthest: farthest * spot_scale,
             apex,
             contrast: (greatest_jump(gradient) + change).min(1.0),
+            turns_everywhere: farthest.is_finite() && stretches.longest() < 2.0 * farthest * spot_scale,
+            pattern,
+            stretches,
             map: OnceLock::new(),
         }
     }
@@ -140,6 +143,12 @@ impl<'a> GradientShader<'a> {
     #[inline]
     fn spans(&self, x: usize, y: u32, count: usize, mut take: impl FnMut(usize, Span)) {
         let centre = |i: usize| Point::new((x + i) as f64 + 0.5, f64::from(y) + 0.5);
+        if self.turns_everywhere {
+            for (i, local) in (0..count).filter_map(|i| Some((i, self.pattern.local(centre(i))?))) {
+                take(i, Span::Pixel(self.mean(centre(i), &local)));
+            }
+            return;
+        }
         let mut stretch = None;
         let mut parameters = [0.0; AT_A_TIME];
         for first in (0..count).step_by(AT_A_TIME) {
@@ -195,11 +204,19 @@ impl<'a> GradientShader<'a> {
         if !stretch.holds(t - reach, t + reach) {
             *stretch = self.stretches.around(t);
         }
-        let is_straight = self.is_straight(&local, side * side);
-        if stretch.holds(t - reach, t + reach) && (is_straight || local.t >= self.apex) {
-            return stretch.at(t);
+        let straight_enough = local.t >= self.apex || self.is_straight(&local, side * side);
+        match stretch.holds(t - reach, t + reach) && straight_enough {
+            true => stretch.at(t),
+            false => self.mean(centre, &local),
         }
-        let mean = if is_straight {
+    }
+
+    /// The mean over the spot around a point.
+    #[inline]
+    fn mean(&self, centre: Point, local: &Local) -> Sheet {
+        let side = self.spot_scale;
+        let t = local.t + side * side * local.lift();
+        let mean = if self.is_straight(local, side * side) {
             self.map().over_square(t, (side * local.along.x, side * local.along.y))
         } else {
             self.square(centre, side, self.most_halvings()).mean()

@@ -132,6 +132,18 @@ impl Stretches {
         &self.all[self.all[1..].partition_point(|stretch| stretch.from <= t)]
     }
 
+    /// The length of the longest one.
+    pub fn longest(&self) -> f64 {
+        let (before, beyond) = (self.all[0].to, 1.0 - self.all[self.all.len() - 1].from);
+        let (before, beyond) = match self.spread {
+            Spread::Pad => return f64::INFINITY,
+            Spread::Repeat => (before, beyond),
+            Spread::Reflect => (2.0 * before, 2.0 * beyond),
+        };
+        let between = self.all[1..self.all.len() - 1].iter().map(|stretch| stretch.to - stretch.from);
+        between.fold(before.max(beyond), f64::max)
+    }
+
     /// The greatest change of colour with the parameter, but for hard stops.
     pub fn steepness(&self) -> f64 {
         let slopes = self.all.iter().filter(|stretch| stretch.from < stretch.to);
