@@ -51,8 +51,8 @@ pub(crate) struct ColorMap {
     mean: Sum,
 }
 
-/// A stretch is taken for one without width if it is this share of the other: an edge across a pixel then leaves
-/// no more than an eighth of this share of the pixel to the wrong side.
+/// Along one side of a square the parameter is taken to change by no less than this share of its change along the
+/// other: no more than an eighth of this share of the square is then on the wrong side of an edge.
 const NARROW: f64 = 3e-4;
 
 impl ColorMap {
@@ -142,22 +142,18 @@ impl ColorMap {
     /// `None` if it does not change.
     #[inline]
     pub fn over_square(&self, t: f64, along: (f64, f64)) -> Option<[f32; 4]> {
-        let (a, b) = (along.0.abs().max(along.1.abs()), along.0.abs().min(along.1.abs()));
+        let (x, y) = (along.0.abs(), along.1.abs());
+        let (a, b) = if x > y { (x, y) } else { (y, x) };
         if !(1e-12..1e12).contains(&a) {
             return None;
         }
-        let mean: Sum = if b > NARROW * a {
-            let (far, near) = (0.5 * (a + b), 0.5 * (a - b));
-            let around = [t + far, t + near, t - near, t - far].map(|t| self.reduced(t));
-            let [last, third, second, first] = around.map(|t| self.second(t));
-            let inverse = 1.0 / (a * b);
-            std::array::from_fn(|i| ((last[i] - third[i]) - (second[i] - first[i])) * inverse + self.mean[i])
-        } else {
-            let [last, first] = [t + 0.5 * a, t - 0.5 * a].map(|t| self.first(self.reduced(t)));
-            let inverse = 1.0 / a;
-            std::array::from_fn(|i| (last[i] - first[i]) * inverse + self.mean[i])
-        };
-        Some(mean.map(|v| v.clamp(0.0, 1.0) as f32))
+        let b = if b > NARROW * a { b } else { NARROW * a };
+        let (far, near) = (0.5 * (a + b), 0.5 * (a - b));
+        let around = [t + far, t + near, t - near, t - far].map(|t| self.reduced(t));
+        let [last, third, second, first] = around.map(|t| self.second(t));
+        let inverse = 1.0 / (a * b);
+        let mean = |i: usize| ((last[i] - third[i]) - (second[i] - first[i])) * inverse + self.mean[i];
+        Some(std::array::from_fn(|i| (mean(i) as f32).clamp(0.0, 1.0)))
     }
 
     /// A parameter without whole periods.

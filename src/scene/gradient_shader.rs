@@ -135,7 +135,7 @@ impl<'a> GradientShader<'a> {
             Span::Straight(stretch, parameters) => {
                 stretch.write(parameters, &mut pixels[first..first + parameters.len()]);
             }
-            Span::Pixel(sheet) => pixels[first] = sheet.to_rgba8(),
+            Span::Pixel(sheet) => pixels[first] = stretch::opaque_bytes(sheet),
         });
     }
 
@@ -144,9 +144,9 @@ impl<'a> GradientShader<'a> {
     fn spans(&self, x: usize, y: u32, count: usize, mut take: impl FnMut(usize, Span)) {
         let centre = |i: usize| Point::new((x + i) as f64 + 0.5, f64::from(y) + 0.5);
         if self.turns_everywhere {
-            for (i, local) in (0..count).filter_map(|i| Some((i, self.pattern.local(centre(i))?))) {
+            self.pattern.each_of_row(centre(0), count, |i, local| {
                 take(i, Span::Pixel(self.mean(centre(i), &local)));
-            }
+            });
             return;
         }
         let mut stretch = None;

@@ -34,6 +34,11 @@ pub(super) struct Local {
 }
 
 impl Local {
+    #[inline]
+    fn on_plane(t: f64, along: Vec2) -> Local {
+        Local { t, along, across: Vec2::ZERO, bend: 0.0 }
+    }
+
     /// How far the parameter goes to either side in a pixel, were it linear.
     #[inline]
     pub fn reach(&self) -> f64 {
@@ -67,7 +72,7 @@ impl Pattern {
         match self {
             Pattern::Linear { start, along } => {
                 let t = start + along.dot(p.to_vec2());
-                t.is_finite().then_some(Local { t, along: *along, across: Vec2::ZERO, bend: 0.0 })
+                t.is_finite().then_some(Local::on_plane(t, *along))
             }
             Pattern::Cone(cone) => Some(cone.local(p)),
             Pattern::Circles(circles) => circles.local(p),
@@ -81,7 +86,7 @@ impl Pattern {
             Pattern::Linear { start, along } => {
                 let start = along.y * first.y + start;
                 for (i, t) in parameters.iter_mut().enumerate() {
-                    *t = along.x * (first.x + i as u32 as f64) + start;
+                    *t = along.x * (first.x + f64::from(i as u32)) + start;
                 }
                 true
             }
@@ -90,6 +95,20 @@ impl Pattern {
                 true
             }
             Pattern::Circles(_) => false,
+        }
+    }
+
+    /// Gives `put` what the parameter is and does in pixels of a row from a centre on, if every place has one.
+    #[inline]
+    pub fn each_of_row(&self, first: Point, count: usize, mut put: impl FnMut(usize, Local)) {
+        let at = |i: usize| Point::new(first.x + f64::from(i as u32), first.y);
+        match self {
+            Pattern::Linear { start, along } => {
+                let local = |p: Point| Local::on_plane(start + along.dot(p.to_vec2()), *along);
+                (0..count).for_each(|i| put(i, local(at(i))));
+            }
+            Pattern::Cone(cone) => (0..count).for_each(|i| put(i, cone.local(at(i)))),
+            Pattern::Circles(_) => {}
         }
     }
 

@@ -24,6 +24,22 @@ const MOST_BEND: f64 = 12.0 * 0.25 / 255.0;
 /// this size have no digits behind the point.
 const ROUNDER: f32 = 8_388_608.0;
 
+/// Red, green and blue of 0 ..= 255 and full alpha.
+#[inline]
+fn rounded_bytes(color: [f32; 3]) -> [u8; 4] {
+    let [r, g, b] = color.map(|v| (v + ROUNDER).to_bits());
+    // What stands before the last 8 digits is the same for all; shifted by 8 or 16 nothing of it is left.
+    let word = r.wrapping_add(0xff00_0000 - ROUNDER.to_bits()).wrapping_add(g << 8).wrapping_add(b << 16);
+    word.to_le_bytes()
+}
+
+/// Of a sheet that hides what lies behind.
+#[inline]
+pub(super) fn opaque_bytes(sheet: Sheet) -> [u8; 4] {
+    let [r, g, b, _] = sheet.channels();
+    rounded_bytes([r, g, b].map(|v| v * 255.0))
+}
+
 impl Stretch {
     fn flat(from: f64, to: f64, color: [f32; 4]) -> Stretch {
         Stretch { from, to, origin: 0.0, color, slope: [0.0; 4], bend: 0.0 }
@@ -53,14 +69,9 @@ impl Stretch {
             return;
         }
         let [[r, g, b, _], [by_r, by_g, by_b, _]] = [self.color, self.slope].map(|c| c.map(|v| v * 255.0));
-        const ALPHA: u32 = 0xff00_0000;
         for (pixel, &t) in pixels.iter_mut().zip(parameters) {
             let by = (t - self.origin) as f32;
-            let rounded = |color: f32, slope: f32| (color + slope * by + ROUNDER).to_bits();
-            // What stands before the last 8 digits is the same for all; shifted by 8 or 16 nothing of it is left.
-            let word = rounded(r, by_r).wrapping_add(ALPHA.wrapping_sub(ROUNDER.to_bits()));
-            let word = word.wrapping_add(rounded(g, by_g) << 8).wrapping_add(rounded(b, by_b) << 16);
-            *pixel = word.to_le_bytes();
+            *pixel = rounded_bytes([r + by_r * by, g + by_g * by, b + by_b * by]);
         }
     }
 
