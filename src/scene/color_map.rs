@@ -70,8 +70,9 @@ impl ColorMap {
             }
         };
         let (first, last) = (places[0], places[places.len() - 1]);
-        places.insert(0, (0.0, first.1));
-        places.push(if frequency > 0.0 { (1.0 / frequency, last.1) } else { (last.0 + 1.0, last.1) });
+        let ends = if frequency > 0.0 { (0.0, 1.0 / frequency) } else { (first.0 - 1.0, last.0 + 1.0) };
+        places.insert(0, (ends.0, first.1));
+        places.push((ends.1, last.1));
         let lines = places.windows(2).filter(|pair| pair[0].0 < pair[1].0);
         let lines: Vec<_> =
             lines.map(|pair| (pair[0].0, pair[1].0, straight_line(pair[0], pair[1]))).collect();
@@ -272,6 +273,34 @@ mod tests {
             let points = (0..count).map(|i| from + (to - from) * (i as f64 + 0.5) / count as f64);
             let sum: f64 = points.map(|t| f64::from(mean(&map, t - 1e-4, t + 1e-4)[0])).sum();
             assert!((mean(&map, from, to)[0] - (sum / count as f64) as f32).abs() < 1e-3, "{spread:?}");
+        }
+    }
+
+    #[test]
+    fn the_ends_go_on_where_the_first_and_the_last_stop_are_at_the_ends() {
+        let map = ColorMap::new(&[stop(0.0, 0.2, 1.0), stop(1.0, 0.8, 1.0)], Spread::Pad);
+        assert_near(mean(&map, -3.0, 0.0), 0.2, 1.0);
+        assert_near(mean(&map, 1.0, 5.0), 0.8, 1.0);
+        assert_near(mean(&map, -1.0, 2.0), 0.5, 1.0);
+    }
+
+    #[test]
+    fn a_square_has_the_mean_of_its_polygon() {
+        for spread in [Spread::Pad, Spread::Repeat, Spread::Reflect] {
+            let map = map(spread);
+            for (t, along) in
+                [(0.37, (0.2, 0.15)), (1.4, (-0.9, 2.2)), (-0.6, (0.5, 0.0)), (31.3, (0.0, -9.7))]
+            {
+                let corner = |x: f64, y: f64| {
+                    let square = along.0 * along.0 + along.1 * along.1;
+                    (t + along.0 * x + along.1 * y, (along.0 * y - along.1 * x) / square)
+                };
+                let corners = [corner(-0.5, -0.5), corner(0.5, -0.5), corner(0.5, 0.5), corner(-0.5, 0.5)];
+                let polygon = map.over(corners.into_iter()).mean().expect("it has area");
+                let square = map.over_square(t, along).expect("it changes");
+                let off = |i: usize| (square[i] - polygon[i]).abs();
+                assert!((0..4).all(|i| off(i) < 1e-4), "{spread:?}, {t}: {square:?}, {polygon:?}");
+            }
         }
     }
 
