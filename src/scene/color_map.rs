@@ -49,6 +49,8 @@ pub(crate) struct ColorMap {
     /// integrals of one that does are without.
     frequency: f64,
     mean: Sum,
+    /// Is any of the last coefficients other than 0?
+    fades: bool,
 }
 
 /// Along one side of a square the parameter is taken to change by no less than this share of its change along the
@@ -76,7 +78,8 @@ impl ColorMap {
         let lines = places.windows(2).filter(|pair| pair[0].0 < pair[1].0);
         let lines: Vec<_> =
             lines.map(|pair| (pair[0].0, pair[1].0, straight_line(pair[0], pair[1]))).collect();
-        let mut map = ColorMap { starts: Vec::new(), parts: Vec::new(), frequency, mean: [0.0; 4] };
+        let mut map =
+            ColorMap { starts: Vec::new(), parts: Vec::new(), frequency, mean: [0.0; 4], fades: false };
         if frequency > 0.0 {
             // Integrated from F = G = 0 on, without the mean F ends as 0, and with F's own mean taken away so
             // does G.
@@ -98,6 +101,7 @@ impl ColorMap {
             let c0: Sum = std::array::from_fn(|i| c0[i] - self.mean[i]);
             let part = [before.1, before.0, c0.map(|c| c / 2.0), c1.map(|c| c / 6.0), c2.map(|c| c / 12.0)];
             before = (slope(&part, to - from), value(&part, to - from));
+            self.fades |= c2 != [0.0; 4];
             self.starts.push(from);
             self.parts.push(part);
         }
@@ -140,7 +144,8 @@ impl ColorMap {
     }
 
     /// The mean, premultiplied, over a square around a parameter, which changes by so much along its two sides;
-    /// `None` if it does not change.
+    /// `None` if it does not change. With a and b these changes, ∬ f over it is G at its corners, two of them taken
+    /// from the other two, over a b.
     #[inline]
     pub fn over_square(&self, t: f64, along: (f64, f64)) -> Option<[f32; 4]> {
         let (x, y) = (along.0.abs(), along.1.abs());
@@ -183,7 +188,11 @@ impl ColorMap {
     #[inline]
     fn second(&self, t: f64) -> Sum {
         let (part, u) = self.part(t);
-        value(part, u)
+        if self.fades {
+            return value(part, u);
+        }
+        let [c0, c1, c2, c3, _] = part;
+        std::array::from_fn(|i| c0[i] + u * (c1[i] + u * (c2[i] + u * c3[i])))
     }
 
     /// The part of a reduced parameter, and the way from its start.

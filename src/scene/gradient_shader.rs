@@ -145,7 +145,7 @@ impl<'a> GradientShader<'a> {
         let centre = |i: usize| Point::new((x + i) as f64 + 0.5, f64::from(y) + 0.5);
         if self.turns_everywhere {
             self.pattern.each_of_row(centre(0), count, |i, local| {
-                take(i, Span::Pixel(self.mean(centre(i), &local)));
+                take(i, Span::Pixel(self.mean(centre(i), local)));
             });
             return;
         }

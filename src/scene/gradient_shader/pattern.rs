@@ -100,14 +100,23 @@ impl Pattern {
 
     /// Gives `put` what the parameter is and does in pixels of a row from a centre on, if every place has one.
     #[inline]
-    pub fn each_of_row(&self, first: Point, count: usize, mut put: impl FnMut(usize, Local)) {
+    pub fn each_of_row(&self, first: Point, count: usize, mut put: impl FnMut(usize, &Local)) {
         let at = |i: usize| Point::new(first.x + f64::from(i as u32), first.y);
         match self {
             Pattern::Linear { start, along } => {
                 let local = |p: Point| Local::on_plane(start + along.dot(p.to_vec2()), *along);
-                (0..count).for_each(|i| put(i, local(at(i))));
+                (0..count).for_each(|i| put(i, &local(at(i))));
             }
-            Pattern::Cone(cone) => (0..count).for_each(|i| put(i, cone.local(at(i)))),
+            Pattern::Cone(cone) => {
+                // Some at a time, as their roots and divisions do not wait for one another.
+                const SOME: usize = 8;
+                let mut locals = [Local::on_plane(0.0, Vec2::ZERO); SOME];
+                for from in (0..count).step_by(SOME) {
+                    let some = &mut locals[..(count - from).min(SOME)];
+                    some.iter_mut().enumerate().for_each(|(i, local)| *local = cone.local(at(from + i)));
+                    some.iter().enumerate().for_each(|(i, local)| put(from + i, local));
+                }
+            }
             Pattern::Circles(_) => {}
         }
     }
@@ -135,8 +144,8 @@ pub(super) struct Cone {
     skew: f64,
     rest: f64,
     farthest: f64,
-    /// Times bend and the square of across it is at most this over the parameter's distance from the apex's.
-    steepest: f64,
+    /// The bend times the square of across is at most this over the parameter's distance from the apex's.
+    curvature: f64,
 }
 
 impl Cone {
@@ -168,7 +177,7 @@ impl Cone {
             skew: mixed / scale,
             rest: determinant / scale,
             farthest,
-            steepest: 2.0 * greatest,
+            curvature: 2.0 * greatest,
         };
         let figures = [t, linear.x, linear.y, cone.skew, cone.rest, farthest, greatest];
         (apex.is_finite() && figures.into_iter().all(f64::is_finite)).then_some(cone)
@@ -176,7 +185,7 @@ impl Cone {
 
     /// The parameter beyond which its mean over a pixel is nowhere more than `lift` above what it is in the middle.
     pub fn straight_from(&self, lift: f64) -> f64 {
-        self.t + self.steepest / (24.0 * lift)
+        self.t + self.curvature / (24.0 * lift)
     }
 
     #[inline]

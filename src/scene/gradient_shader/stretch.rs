@@ -56,7 +56,9 @@ impl Stretch {
 
     #[inline]
     pub fn at(&self, t: f64) -> Sheet {
-        let by = (t - self.origin).clamp(-1e30, 1e30) as f32;
+        let by = t - self.origin;
+        // Only where the colour stays is it farther.
+        let by = if by.abs() < 1e30 { by as f32 } else { 0.0 };
         let [r, g, b, alpha]: [f32; 4] = std::array::from_fn(|i| self.color[i] + self.slope[i] * by);
         Sheet::new([r, g, b], alpha)
     }
