@@ -108,7 +108,11 @@ impl<'a> GradientShader<'a> {
     }
 
     pub fn even_at(&self, x: f64, y: f64) -> Option<Sheet> {
-        let Some(local) = self.pattern.local(Point::new(x, y)) else {
+        let centre = Point::new(x, y);
+        if self.is_partly_clear(&CORNERS.map(|corner| centre + corner)) {
+            return None;
+        }
+        let Some(local) = self.pattern.local(centre) else {
             return Some(self.least());
         };
         let (stretch, reach) = (self.stretches.around(local.t), self.spot_scale * local.reach());
@@ -195,10 +199,14 @@ impl<'a> GradientShader<'a> {
 
     /// The colour of the pixel around a point. `stretch` is one that may hold it, and is replaced if it does not.
     fn pixel(&self, centre: Point, stretch: &mut Option<Stretch>) -> Sheet {
+        let side = self.spot_scale;
+        if self.is_partly_clear(&CORNERS.map(|corner| centre + side * corner)) {
+            let mean = self.square(centre, side, self.most_halvings()).mean();
+            return mean.map_or_else(|| self.least(), sheet_of);
+        }
         let Some(local) = self.pattern.local(centre) else {
             return self.least();
         };
-        let side = self.spot_scale;
         let (t, reach) = (local.t + side * side * local.lift(), side * local.reach());
         let stretch = stretch.get_or_insert_with(|| self.stretches.around(t));
         if !stretch.holds(t - reach, t + reach) {
@@ -232,6 +240,16 @@ impl<'a> GradientShader<'a> {
         self.contrast * local.lift() * share <= MOST_CURVE * local.reach()
     }
 
+    /// Are there colours in some of these places, and none in others?
+    #[inline]
+    fn is_partly_clear(&self, places: &[Point]) -> bool {
+        if !matches!(self.pattern, Pattern::Circles(_)) {
+            return false;
+        }
+        let colored = places.iter().filter(|&&p| self.pattern.local(p).is_some()).count();
+        0 < colored && colored < places.len()
+    }
+
     fn most_halvings(&self) -> u32 {
         match self.pattern {
             Pattern::Circles(_) => MOST_HALVINGS_OF_CIRCLES,
@@ -246,7 +264,11 @@ impl<'a> GradientShader<'a> {
     /// Over a square of this side, cut into ones in which circles are straight.
     fn square(&self, centre: Point, side: f64, halvings: u32) -> Integral {
         let (local, area) = (self.pattern.local(centre), side * side);
-        if let Some(local) = local.filter(|local| halvings == 0 || self.is_straight(local, area)) {
+        let is_even = |local: &Local| {
+            self.is_straight(local, area)
+                && !self.is_partly_clear(&CORNERS.map(|corner| centre + side * corner))
+        };
+        if let Some(local) = local.filter(|local| halvings == 0 || is_even(local)) {
             let t = local.t + area * local.lift();
             let mean = self.map().over_square(t, (side * local.along.x, side * local.along.y));
             let mean = mean.unwrap_or_else(|| color_of(self.stretches.around(t).at(t)));
@@ -263,6 +285,9 @@ impl<'a> GradientShader<'a> {
 
     /// The mean over a convex polygon, by the gradient's slope at the polygon's centre.
     pub fn over(&self, centre: Point, corners: &[Point]) -> Sheet {
+        if self.is_partly_clear(corners) {
+            return self.in_triangles(centre, corners).mean().map_or_else(|| self.least(), sheet_of);
+        }
         let Some(local) = self.pattern.local(centre) else {
             return self.least();
         };
@@ -272,18 +297,20 @@ impl<'a> GradientShader<'a> {
         if stretch.holds(from, to) && local.t >= self.apex {
             return stretch.at(local.t);
         }
-        let integral = if self.is_straight(&local, 1.0) {
-            self.linear_integral(&local, centre, corners)
-        } else {
-            let mut sum = Integral::default();
-            for (i, &corner) in corners.iter().enumerate() {
-                sum.add(
-                    self.triangle([centre, corner, corners[(i + 1) % corners.len()]], self.most_halvings()),
-                );
-            }
-            sum
+        let integral = match self.is_straight(&local, 1.0) {
+            true => self.linear_integral(&local, centre, corners),
+            false => self.in_triangles(centre, corners),
         };
         integral.mean().map_or_else(|| stretch.at(local.t), sheet_of)
+    }
+
+    fn in_triangles(&self, centre: Point, corners: &[Point]) -> Integral {
+        let mut sum = Integral::default();
+        for (i, &corner) in corners.iter().enumerate() {
+            let next = corners[(i + 1) % corners.len()];
+            sum.add(self.triangle([centre, corner, next], self.most_halvings()));
+        }
+        sum
     }
 
     /// Over a triangle, cut into ones in which circles are straight.
