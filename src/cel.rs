@@ -352,9 +352,7 @@ fn paint_fresh(picture: &mut Rows, row: usize, width: usize, (word, fresh): (usi
         let pixels = &mut pixels[first + a..first + b];
         match brush {
             Brush::Flat(_, bytes) => pixels.fill(*bytes),
-            Brush::Gradient { shader, .. } => {
-                shader.row(first + a, y, pixels.len(), |i, sheet| pixels[i] = sheet.to_rgba8());
-            }
+            Brush::Gradient { shader, .. } => shader.write_row(first + a, y, pixels),
         }
     });
 }

@@ -4,10 +4,13 @@
 //! pixel sees of the parameter, the colour at the pixel's middle is wrong however exact the pixel's
 //! areas are: Worley's *index aliasing* (Texturing & Modeling, ch. 5). His cure is a table of the map's
 //! integral, so that the mean over a stretch of the parameter is a difference of two of its values. Over a
-//! polygon, on which the parameter t is linear, it takes the integral's integral: with F' = f and s along
+//! polygon, on which the parameter t is linear, it takes the integral's integral: with G'' = F' = f and s along
 //! the gradient's lines of one colour, Green's theorem makes ∬ f dt ds the sum of ∫ F ds over the sides, and
-//! on a side, where s is linear in t, that is a difference of the second integral. It is exact, hard stops
-//! and all, and costs the same for a part of one stop as for a thousand repeats.
+//! on a side, where s is linear in t, that is a difference of G. It is exact, hard stops and all, and costs the
+//! same for a part of one stop as for a thousand repeats.
+//!
+//! Of a map that repeats the integrals are those of its difference from its mean, which repeat too: nothing
+//! grows with the number of repeats, and no digits are lost to it.
 
 use super::paint::{Spread, Stop};
 
@@ -37,69 +40,78 @@ impl Integral {
 /// Integrals of a colour map.
 #[derive(Clone, Debug)]
 pub(crate) struct ColorMap {
-    /// From 0 to 1, without gaps; the first begins at 0.
-    parts: Vec<Part>,
-    /// Before 0, and beyond 1.
-    ends: [Sum; 2],
-    spread: Spread,
-    /// The integral, and its integral, from 0 to 1.
-    whole: (Sum, Sum),
+    /// Where each part begins. The first goes on before, the last beyond.
+    starts: Vec<f64>,
+    /// G on each part, as coefficients of the powers of the way from its start: where straight colours go
+    /// straight, premultiplied ones go as a square, and G as its second integral.
+    parts: Vec<[Sum; 5]>,
+    /// How often it repeats in a unit of the parameter: 1, 1/2, or 0 if it does not; and its mean, which the
+    /// integrals of one that does are without.
+    frequency: f64,
+    mean: Sum,
+    /// Is any of the last coefficients other than 0?
+    fades: bool,
 }
 
-/// Where straight colours go straight, premultiplied ones go as a square.
-#[derive(Clone, Copy, Debug)]
-struct Part {
-    from: f64,
-    /// Colour at `from` and its change with the parameter; times alpha makes three coefficients.
-    coefficients: [Sum; 3],
-    /// The integral, and its integral, from 0 to `from`.
-    before: (Sum, Sum),
-}
-
-impl Part {
-    /// The integral, and its integral, from 0 to a parameter in this part.
-    fn integrals(&self, t: f64) -> (Sum, Sum) {
-        let u = t - self.from;
-        let [c0, c1, c2] = &self.coefficients;
-        let (first, second) = &self.before;
-        (
-            std::array::from_fn(|i| first[i] + u * (c0[i] + u * (c1[i] / 2.0 + u * c2[i] / 3.0))),
-            std::array::from_fn(|i| {
-                second[i] + u * (first[i] + u * (c0[i] / 2.0 + u * (c1[i] / 6.0 + u * c2[i] / 12.0)))
-            }),
-        )
-    }
-}
+/// Along one side of a square the parameter is taken to change by no less than this share of its change along the
+/// other: no more than an eighth of this share of the square is then on the wrong side of an edge.
+const NARROW: f64 = 3e-4;
 
 impl ColorMap {
     /// `stops` are not empty.
     pub fn new(stops: &[Stop], spread: Spread) -> ColorMap {
-        let (first, last) = (stops[0], stops[stops.len() - 1]);
-        let mut map = ColorMap {
-            parts: Vec::with_capacity(stops.len() + 1),
-            ends: [first, last].map(|stop| straight_line(stop, stop)[0]),
-            spread,
-            whole: ([0.0; 4], [0.0; 4]),
+        let mut places: Vec<(f64, Sum)> =
+            stops.iter().map(|stop| (f64::from(stop.offset), stop.color.map(f64::from))).collect();
+        let frequency = match spread {
+            Spread::Pad => 0.0,
+            Spread::Repeat => 1.0,
+            Spread::Reflect => {
+                let back: Vec<_> = places.iter().rev().map(|&(t, color)| (2.0 - t, color)).collect();
+                places.extend(back);
+                0.5
+            }
         };
-        map.push(0.0, f64::from(first.offset), straight_line(first, first));
-        for pair in stops.windows(2) {
-            map.push(pair[0].offset.into(), pair[1].offset.into(), straight_line(pair[0], pair[1]));
+        let (first, last) = (places[0], places[places.len() - 1]);
+        let ends = if frequency > 0.0 { (0.0, 1.0 / frequency) } else { (first.0 - 1.0, last.0 + 1.0) };
+        places.insert(0, (ends.0, first.1));
+        places.push((ends.1, last.1));
+        let lines = places.windows(2).filter(|pair| pair[0].0 < pair[1].0);
+        let lines: Vec<_> =
+            lines.map(|pair| (pair[0].0, pair[1].0, straight_line(pair[0], pair[1]))).collect();
+        let mut map =
+            ColorMap { starts: Vec::new(), parts: Vec::new(), frequency, mean: [0.0; 4], fades: false };
+        if frequency > 0.0 {
+            // Integrated from F = G = 0 on, without the mean F ends as 0, and with F's own mean taken away so
+            // does G.
+            let (sum, _) = map.integrate(&lines, [0.0; 4]);
+            map.mean = sum.map(|v| v * frequency);
+            let (_, second) = map.integrate(&lines, [0.0; 4]);
+            map.integrate(&lines, second.map(|v| -v * frequency));
+        } else {
+            map.integrate(&lines, [0.0; 4]);
         }
-        map.push(last.offset.into(), 1.0, straight_line(last, last));
         map
+    }
+
+    /// Makes the parts, with F beginning as `first`; returns F and G at their end.
+    fn integrate(&mut self, lines: &[(f64, f64, [Sum; 3])], first: Sum) -> (Sum, Sum) {
+        (self.starts, self.parts) = (Vec::with_capacity(lines.len()), Vec::with_capacity(lines.len()));
+        let mut before = (first, [0.0; 4]);
+        for &(from, to, [c0, c1, c2]) in lines {
+            let c0: Sum = std::array::from_fn(|i| c0[i] - self.mean[i]);
+            let part = [before.1, before.0, c0.map(|c| c / 2.0), c1.map(|c| c / 6.0), c2.map(|c| c / 12.0)];
+            before = (slope(&part, to - from), value(&part, to - from));
+            self.fades |= c2 != [0.0; 4];
+            self.starts.push(from);
+            self.parts.push(part);
+        }
+        before
     }
 
     /// Bytes of one with this many stops, at most.
     pub fn bytes(stops: usize) -> u64 {
-        (std::mem::size_of::<ColorMap>() + (stops + 1) * std::mem::size_of::<Part>()) as u64
-    }
-
-    fn push(&mut self, from: f64, to: f64, coefficients: [Sum; 3]) {
-        if from < to {
-            let part = Part { from, coefficients, before: self.whole };
-            self.whole = part.integrals(to);
-            self.parts.push(part);
-        }
+        let part = std::mem::size_of::<[Sum; 5]>() + std::mem::size_of::<f64>();
+        (std::mem::size_of::<ColorMap>() + (2 * stops + 1) * part) as u64
     }
 
     /// The integral over a polygon whose corners are parameter, not spread yet, and place along the lines
@@ -107,14 +119,9 @@ impl ColorMap {
     pub fn over(&self, corners: impl Iterator<Item = (f64, f64)> + Clone) -> Integral {
         let (least, most) =
             corners.clone().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), (t, _)| (a.min(t), b.max(t)));
-        // The nearer to 0 the more digits are left.
-        let moved = match self.spread {
-            Spread::Pad => 0.0,
-            Spread::Repeat | Spread::Reflect => 2.0 * (0.25 * (least + most)).floor(),
-        };
         // Sides that go along a line of one colour, nearly.
         let along = 1e-6 * (most - least);
-        let mut points = corners.map(|(t, s)| (t - moved, s, self.integrals(t - moved)));
+        let mut points = corners.map(|(t, s)| (t, s, self.second(self.reduced(t))));
         let Some(first) = points.next() else {
             return Integral::default();
         };
@@ -122,76 +129,95 @@ impl ColorMap {
         for point in points.chain([first]) {
             let ((t0, s0, one), (t1, s1, other)) = (last, point);
             let (dt, ds) = (t1 - t0, s1 - s0);
-            for i in 0..4 {
-                let mean = if dt.abs() > along {
-                    (other.1[i] - one.1[i]) / dt
-                } else {
-                    0.5 * (one.0[i] + other.0[i])
-                };
-                made.sum[i] += ds * mean;
+            if dt.abs() > along {
+                (0..4).for_each(|i| made.sum[i] += ds * (other[i] - one[i]) / dt);
+            } else {
+                let first = self.first(self.reduced(0.5 * (t0 + t1)));
+                (0..4).for_each(|i| made.sum[i] += ds * first[i]);
             }
-            made.area += ds * 0.5 * (t0 + t1);
+            // From the least on, so that no digits are lost far out.
+            made.area += ds * (0.5 * (t0 + t1) - least);
             last = point;
         }
+        (0..4).for_each(|i| made.sum[i] += self.mean[i] * made.area);
         made
     }
 
-    /// The integral, and its integral, from 0 to a parameter, over the map as it is spread.
-    fn integrals(&self, t: f64) -> (Sum, Sum) {
-        let (one, two) = self.whole;
-        match self.spread {
-            Spread::Pad => {
-                let (end, beyond) =
-                    if t < 0.0 { (self.ends[0], t) } else { (self.ends[1], (t - 1.0).max(0.0)) };
-                let (first, second) = self.within(t.clamp(0.0, 1.0));
-                let more = |i: usize| second[i] + beyond * (first[i] + beyond * end[i] / 2.0);
-                (std::array::from_fn(|i| first[i] + beyond * end[i]), std::array::from_fn(more))
-            }
-            Spread::Repeat => {
-                let periods = t.floor();
-                periodic(periods, 1.0, t - periods, self.within(t - periods), (one, two))
-            }
-            Spread::Reflect => {
-                let periods = (0.5 * t).floor();
-                let part = t - 2.0 * periods;
-                let there_and_back = one.map(|v| 2.0 * v);
-                let within = match part <= 1.0 {
-                    true => self.within(part),
-                    false => {
-                        // What is left of the way back is not walked yet.
-                        let (first, second) = self.within(2.0 - part);
-                        (
-                            std::array::from_fn(|i| 2.0 * one[i] - first[i]),
-                            std::array::from_fn(|i| 2.0 * one[i] * (part - 1.0) + second[i]),
-                        )
-                    }
-                };
-                periodic(periods, 2.0, part, within, (there_and_back, there_and_back))
-            }
+    /// The mean, premultiplied, over a square around a parameter, which changes by so much along its two sides;
+    /// `None` if it does not change. With a and b these changes, ∬ f over it is G at its corners, two of them taken
+    /// from the other two, over a b.
+    #[inline]
+    pub fn over_square(&self, t: f64, along: (f64, f64)) -> Option<[f32; 4]> {
+        let (x, y) = (along.0.abs(), along.1.abs());
+        let (a, b) = if x > y { (x, y) } else { (y, x) };
+        if !(1e-12..1e12).contains(&a) {
+            return None;
         }
+        let b = if b > NARROW * a { b } else { NARROW * a };
+        let (far, near) = (0.5 * (a + b), 0.5 * (a - b));
+        let around = [t + far, t + near, t - near, t - far].map(|t| self.reduced(t));
+        let [last, third, second, first] = around.map(|t| self.second(t));
+        let inverse = 1.0 / (a * b);
+        let mean = |i: usize| ((last[i] - third[i]) - (second[i] - first[i])) * inverse + self.mean[i];
+        Some(std::array::from_fn(|i| (mean(i) as f32).clamp(0.0, 1.0)))
     }
 
-    /// From 0 to a parameter of 0 ..= 1.
-    fn within(&self, t: f64) -> (Sum, Sum) {
-        let behind = self.parts.partition_point(|part| part.from <= t);
-        self.parts[behind.max(1) - 1].integrals(t)
+    /// A parameter without whole periods.
+    #[inline]
+    fn reduced(&self, t: f64) -> f64 {
+        // Sums with it have no digits behind the point: quicker than rounding downwards.
+        const ROUNDER: f64 = 6_755_399_441_055_744.0;
+        if self.frequency == 0.0 {
+            return t;
+        }
+        let periods = t * self.frequency;
+        let rest = periods - ((periods + ROUNDER) - ROUNDER);
+        let rest = rest + if rest < 0.0 { 1.0 } else { 0.0 };
+        // Numbers too great to have digits behind the point leave anything.
+        rest.min(1.0) * (1.0 / self.frequency)
+    }
+
+    /// F at a reduced parameter.
+    #[inline]
+    fn first(&self, t: f64) -> Sum {
+        let (part, u) = self.part(t);
+        slope(part, u)
+    }
+
+    /// G at a reduced parameter.
+    #[inline]
+    fn second(&self, t: f64) -> Sum {
+        let (part, u) = self.part(t);
+        if self.fades {
+            return value(part, u);
+        }
+        let [c0, c1, c2, c3, _] = part;
+        std::array::from_fn(|i| c0[i] + u * (c1[i] + u * (c2[i] + u * c3[i])))
+    }
+
+    /// The part of a reduced parameter, and the way from its start.
+    #[inline]
+    fn part(&self, t: f64) -> (&[Sum; 5], f64) {
+        let part = self.starts[1..].partition_point(|&start| start <= t);
+        (&self.parts[part], t - self.starts[part])
     }
 }
 
-/// Integrals from 0 on over whole periods of a length, and a part of one more.
-fn periodic(count: f64, length: f64, part: f64, within: (Sum, Sum), whole: (Sum, Sum)) -> (Sum, Sum) {
-    let pairs = 0.5 * count * (count - 1.0) * length;
-    (
-        std::array::from_fn(|i| count * whole.0[i] + within.0[i]),
-        std::array::from_fn(|i| count * whole.1[i] + (pairs + count * part) * whole.0[i] + within.1[i]),
-    )
+/// A polynomial.
+#[inline]
+fn value(c: &[Sum; 5], u: f64) -> Sum {
+    std::array::from_fn(|i| c[0][i] + u * (c[1][i] + u * (c[2][i] + u * (c[3][i] + u * c[4][i]))))
 }
 
-/// From one stop to the next: the coefficients of premultiplied colour.
-fn straight_line(a: Stop, b: Stop) -> [Sum; 3] {
-    let (from, to) = (a.color.map(f64::from), b.color.map(f64::from));
-    let length = f64::from(b.offset) - f64::from(a.offset);
-    let slope = |i: usize| if length > 0.0 { (to[i] - from[i]) / length } else { 0.0 };
+/// Its derivative.
+#[inline]
+fn slope(c: &[Sum; 5], u: f64) -> Sum {
+    std::array::from_fn(|i| c[1][i] + u * (2.0 * c[2][i] + u * (3.0 * c[3][i] + u * 4.0 * c[4][i])))
+}
+
+/// From one place to the next: the coefficients of premultiplied colour.
+fn straight_line((start, from): (f64, Sum), (end, to): (f64, Sum)) -> [Sum; 3] {
+    let slope = |i: usize| (to[i] - from[i]) / (end - start);
     let (alpha, fade) = (from[3], slope(3));
     let product = |i: usize| match i {
         3 => [alpha, fade, 0.0],
@@ -256,6 +282,34 @@ mod tests {
             let points = (0..count).map(|i| from + (to - from) * (i as f64 + 0.5) / count as f64);
             let sum: f64 = points.map(|t| f64::from(mean(&map, t - 1e-4, t + 1e-4)[0])).sum();
             assert!((mean(&map, from, to)[0] - (sum / count as f64) as f32).abs() < 1e-3, "{spread:?}");
+        }
+    }
+
+    #[test]
+    fn the_ends_go_on_where_the_first_and_the_last_stop_are_at_the_ends() {
+        let map = ColorMap::new(&[stop(0.0, 0.2, 1.0), stop(1.0, 0.8, 1.0)], Spread::Pad);
+        assert_near(mean(&map, -3.0, 0.0), 0.2, 1.0);
+        assert_near(mean(&map, 1.0, 5.0), 0.8, 1.0);
+        assert_near(mean(&map, -1.0, 2.0), 0.5, 1.0);
+    }
+
+    #[test]
+    fn a_square_has_the_mean_of_its_polygon() {
+        for spread in [Spread::Pad, Spread::Repeat, Spread::Reflect] {
+            let map = map(spread);
+            for (t, along) in
+                [(0.37, (0.2, 0.15)), (1.4, (-0.9, 2.2)), (-0.6, (0.5, 0.0)), (31.3, (0.0, -9.7))]
+            {
+                let corner = |x: f64, y: f64| {
+                    let square = along.0 * along.0 + along.1 * along.1;
+                    (t + along.0 * x + along.1 * y, (along.0 * y - along.1 * x) / square)
+                };
+                let corners = [corner(-0.5, -0.5), corner(0.5, -0.5), corner(0.5, 0.5), corner(-0.5, 0.5)];
+                let polygon = map.over(corners.into_iter()).mean().expect("it has area");
+                let square = map.over_square(t, along).expect("it changes");
+                let off = |i: usize| (square[i] - polygon[i]).abs();
+                assert!((0..4).all(|i| off(i) < 1e-4), "{spread:?}, {t}: {square:?}, {polygon:?}");
+            }
         }
     }
 

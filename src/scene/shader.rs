@@ -88,6 +88,17 @@ impl Shader<'_> {
         }
     }
 
+    /// The colours of pixels of row `y` from column `x` on, of a paint that hides what lies behind.
+    #[inline]
+    pub fn write_row(&self, x: usize, y: u32, pixels: &mut [[u8; 4]]) {
+        match self {
+            Shader::Gradient(gradient) => gradient.write_row(x, y, pixels),
+            Shader::Layer { .. } | Shader::Tile { .. } => {
+                self.row(x, y, pixels.len(), |i, sheet| pixels[i] = sheet.to_rgba8());
+            }
+        }
+    }
+
     pub fn as_gradient(&self) -> Option<&GradientShader<'_>> {
         match self {
             Shader::Gradient(gradient) => Some(gradient),

@@ -1,0 +1,283 @@
+//! Takes the geometry of a gradient at a picture's scale, makes its parameter at points in pixels and tells how
+//! it changes around them: the pattern function of which the colours are a map.
+//!
+//! The circles of a radial gradient are the sections of a cone: where the cone holds its focal circle, as it does
+//! unless a drawing says otherwise, the parameter is that at the apex plus a norm of the way from there,
+//! t = t₀ + h·v + √(vᵀ M v). So it is convex, its slope is h + M v / √(vᵀ M v), and its second derivative, which is
+//! 0 along v, is det M / √(vᵀ M v)³ times (v turned by a right angle) twice.
+
+use crate::scene::paint::GradientShape;
+use kurbo::{Affine, Point, Vec2};
+
+/// The parameter at points in pixels.
+#[derive(Clone, Debug)]
+pub(super) enum Pattern {
+    /// `start` in the origin, and its change along x and y.
+    Linear {
+        start: f64,
+        along: Vec2,
+    },
+    Cone(Cone),
+    /// Circles that do not lie within one another: places may lie on two of them or on none.
+    Circles(Circles),
+}
+
+/// The parameter at a point, and around it: at a step d from there it is t + along·d + bend (across·d)² / 2, next
+/// to the point.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Local {
+    pub t: f64,
+    /// Its change along x and y, a pixel.
+    pub along: Vec2,
+    pub across: Vec2,
+    pub bend: f64,
+}
+
+impl Local {
+    #[inline]
+    fn on_plane(t: f64, along: Vec2) -> Local {
+        Local { t, along, across: Vec2::ZERO, bend: 0.0 }
+    }
+
+    /// How far the parameter goes to either side in a pixel, were it linear.
+    #[inline]
+    pub fn reach(&self) -> f64 {
+        0.5 * (self.along.x.abs() + self.along.y.abs())
+    }
+
+    /// By how much its mean over the pixel is more than what it is in the middle.
+    #[inline]
+    pub fn lift(&self) -> f64 {
+        self.bend * self.across.hypot2() / 24.0
+    }
+}
+
+impl Pattern {
+    pub fn new(shape: GradientShape, to_plane: Affine) -> Pattern {
+        match shape {
+            GradientShape::Linear(map) => {
+                let [a, _, c, _, e, _] = (map * to_plane).as_coeffs();
+                Pattern::Linear { start: e, along: Vec2::new(a, c) }
+            }
+            GradientShape::Radial { start, step } => match Cone::new(start, step, to_plane) {
+                Some(cone) => Pattern::Cone(cone),
+                None => Pattern::Circles(Circles::new(start, step, to_plane)),
+            },
+        }
+    }
+
+    /// What the parameter is and does at a point in pixels; nothing where there is none.
+    #[inline]
+    pub fn local(&self, p: Point) -> Option<Local> {
+        match self {
+            Pattern::Linear { start, along } => {
+                let t = start + along.dot(p.to_vec2());
+                t.is_finite().then_some(Local::on_plane(t, *along))
+            }
+            Pattern::Cone(cone) => Some(cone.local(p)),
+            Pattern::Circles(circles) => circles.local(p),
+        }
+    }
+
+    /// The parameters of pixels of a row from a centre on; `false` if not every place has one.
+    #[inline]
+    pub fn row(&self, first: Point, parameters: &mut [f64]) -> bool {
+        match self {
+            Pattern::Linear { start, along } => {
+                let start = along.y * first.y + start;
+                for (i, t) in parameters.iter_mut().enumerate() {
+                    *t = along.x * (first.x + f64::from(i as u32)) + start;
+                }
+                true
+            }
+            Pattern::Cone(cone) => {
+                cone.row(first, parameters);
+                true
+            }
+            Pattern::Circles(_) => false,
+        }
+    }
+
+    /// Gives `put` what the parameter is and does in pixels of a row from a centre on, if every place has one.
+    #[inline]
+    pub fn each_of_row(&self, first: Point, count: usize, mut put: impl FnMut(usize, &Local)) {
+        let at = |i: usize| Point::new(first.x + f64::from(i as u32), first.y);
+        match self {
+            Pattern::Linear { start, along } => {
+                let local = |p: Point| Local::on_plane(start + along.dot(p.to_vec2()), *along);
+                (0..count).for_each(|i| put(i, &local(at(i))));
+            }
+            Pattern::Cone(cone) => {
+                // Some at a time, as their roots and divisions do not wait for one another.
+                const SOME: usize = 8;
+                let mut locals = [Local::on_plane(0.0, Vec2::ZERO); SOME];
+                for from in (0..count).step_by(SOME) {
+                    let some = &mut locals[..(count - from).min(SOME)];
+                    some.iter_mut().enumerate().for_each(|(i, local)| *local = cone.local(at(from + i)));
+                    some.iter().enumerate().for_each(|(i, local)| put(from + i, local));
+                }
+            }
+            Pattern::Circles(_) => {}
+        }
+    }
+
+    /// The parameter changes by no more between the centre of a pixel and its corners, anywhere.
+    pub fn farthest(&self) -> f64 {
+        match self {
+            Pattern::Linear { along, .. } => 0.5 * (along.x.abs() + along.y.abs()),
+            Pattern::Cone(cone) => cone.farthest,
+            Pattern::Circles(_) => f64::INFINITY,
+        }
+    }
+}
+
+/// A cone that holds its focal circle.
+#[derive(Clone, Debug)]
+pub(super) struct Cone {
+    /// The place where its circles have no radius, in pixels, and their parameter there.
+    apex: Point,
+    t: f64,
+    /// The linear share of the parameter.
+    linear: Vec2,
+    /// The quadratic form vᵀ M v is `scale` (x + `skew` y)² + `rest` y².
+    scale: f64,
+    skew: f64,
+    rest: f64,
+    farthest: f64,
+    /// The bend times the square of across is at most this over the parameter's distance from the apex's.
+    curvature: f64,
+}
+
+impl Cone {
+    /// `None` unless each circle lies well within those of greater parameters.
+    fn new((x, y, r): (f64, f64, f64), (dx, dy, dr): (f64, f64, f64), to_plane: Affine) -> Option<Cone> {
+        let square = dr * dr - dx * dx - dy * dy;
+        if !(dr > 0.0 && square > 1e-9 * dr * dr) {
+            return None;
+        }
+        // With p from the apex's place and τ from its parameter on: |p - τ (dx, dy)| = τ dr, so that
+        // τ square = √((p·(dx, dy))² + square |p|²) - p·(dx, dy).
+        let t = -r / dr;
+        let apex = to_plane.inverse() * Point::new(x + t * dx, y + t * dy);
+        let [a, b, c, d, ..] = to_plane.as_coeffs();
+        let linear = Vec2::new(a * dx + b * dy, c * dx + d * dy) / -square;
+        let scale = linear.x * linear.x + (a * a + b * b) / square;
+        let mixed = linear.x * linear.y + (a * c + b * d) / square;
+        let last = linear.y * linear.y + (c * c + d * d) / square;
+        let determinant = (a * d - b * c).powi(2) * dr * dr / square.powi(3);
+        // It is nowhere steeper than where the circles lie closest.
+        let closest = dr - dx.hypot(dy);
+        let farthest = 0.5 * (a.hypot(b) + c.hypot(d)) / closest;
+        let greatest = 0.5 * (scale + last + (scale - last).hypot(2.0 * mixed));
+        let cone = Cone {
+            apex,
+            t,
+            linear,
+            scale,
+            skew: mixed / scale,
+            rest: determinant / scale,
+            farthest,
+            curvature: 2.0 * greatest,
+        };
+        let figures = [t, linear.x, linear.y, cone.skew, cone.rest, farthest, greatest];
+        (apex.is_finite() && figures.into_iter().all(f64::is_finite)).then_some(cone)
+    }
+
+    /// The parameter beyond which its mean over a pixel is nowhere more than `lift` above what it is in the middle.
+    pub fn straight_from(&self, lift: f64) -> f64 {
+        self.t + self.curvature / (24.0 * lift)
+    }
+
+    #[inline]
+    fn local(&self, p: Point) -> Local {
+        let v = p - self.apex;
+        let x = v.x + self.skew * v.y;
+        // No place is so near to the apex that it has no slope.
+        let norm = (self.scale * x * x + self.rest * v.y * v.y).sqrt().max(1e-100);
+        let inverse = 1.0 / norm;
+        let across = Vec2::new(-v.y, v.x);
+        let slope = Vec2::new(self.scale * x, self.scale * self.skew * x + self.rest * v.y);
+        Local {
+            t: self.t + self.linear.dot(v) + norm,
+            along: self.linear + inverse * slope,
+            across,
+            bend: self.scale * self.rest * inverse * inverse * inverse,
+        }
+    }
+
+    fn row(&self, first: Point, parameters: &mut [f64]) {
+        let v = first - self.apex;
+        let (start, rest) = (self.t + self.linear.y * v.y, self.rest * v.y * v.y);
+        let skewed = self.skew * v.y;
+        for (i, t) in parameters.iter_mut().enumerate() {
+            let x = v.x + f64::from(i as u32);
+            let u = x + skewed;
+            *t = start + self.linear.x * x + (self.scale * u * u + rest).sqrt();
+        }
+    }
+}
+
+/// The circle (centre, radius) at parameter 0, and the steps from it to the one at 1, in the gradient's plane.
+#[derive(Clone, Debug)]
+pub(super) struct Circles {
+    to_plane: Affine,
+    start: (f64, f64, f64),
+    step: (f64, f64, f64),
+    /// The quadratic coefficient of the parameter's equation, and its inverse.
+    quadratic: (f64, f64),
+}
+
+impl Circles {
+    fn new(start: (f64, f64, f64), step: (f64, f64, f64), to_plane: Affine) -> Circles {
+        let (dx, dy, dr) = step;
+        let quadratic = dx * dx + dy * dy - dr * dr;
+        Circles { to_plane, start, step, quadratic: (quadratic, 1.0 / quadratic) }
+    }
+
+    /// The greatest t with a radius of at least 0 whose circle passes through the point (SVG 2, 14.2.3; HTML
+    /// canvas).
+    fn local(&self, p: Point) -> Option<Local> {
+        let [a, b, c, d, ..] = self.to_plane.as_coeffs();
+        let ((x0, y0, r0), (dx, dy, dr)) = (self.start, self.step);
+        let in_plane = self.to_plane * p;
+        let (t, root) = self.circle(in_plane)?;
+        // With u from the circle's centre to the point and the circle's radius R, |u| = R: differentiated,
+        // the parameter's slope is u / root.
+        let u = Vec2::new(in_plane.x - x0 - t * dx, in_plane.y - y0 - t * dy);
+        let along = Vec2::new(u.x * a + u.y * b, u.x * c + u.y * d) / root;
+        // Along the circle it stays: it bends by the slope over the radius.
+        let radius = r0 + t * dr;
+        let across = Vec2::new(u.x * b - u.y * a, u.x * d - u.y * c) / radius;
+        let bend = if radius > 0.0 { 1.0 / root } else { f64::INFINITY };
+        // Next to the focal point the slope is nothing to go by.
+        let pixel = a * a + b * b + c * c + d * d;
+        if u.hypot2() > pixel && along.is_finite() {
+            return Some(Local { t, along, across, bend });
+        }
+        let step = |by: Vec2| 2.0 * (self.circle(self.to_plane * (p + by)).map_or(t, |(t, _)| t) - t);
+        let along = Vec2::new(step(Vec2::new(0.5, 0.0)), step(Vec2::new(0.0, 0.5)));
+        Some(Local { t, along, across, bend })
+    }
+
+    /// The parameter of the circle through a point of the gradient's plane, and what its slope is to be
+    /// divided by.
+    fn circle(&self, p: Point) -> Option<(f64, f64)> {
+        // |p - start - t (dx, dy)| = r0 + t dr
+        let ((x0, y0, r0), (dx, dy, dr)) = (self.start, self.step);
+        let (px, py) = (p.x - x0, p.y - y0);
+        let (a, inverse) = self.quadratic;
+        let half_b = px * dx + py * dy + r0 * dr;
+        let c = px * px + py * py - r0 * r0;
+        let valid = |t: f64, slope: f64| (t.is_finite() && r0 + t * dr >= 0.0).then_some((t, slope));
+        if a.abs() <= 1e-12 * dr * dr {
+            return valid(c / (2.0 * half_b), half_b);
+        }
+        let square = half_b * half_b - a * c;
+        if square < 0.0 {
+            return None;
+        }
+        // The greater of the two first: the one with the root's sign that of a.
+        let root = square.sqrt().copysign(a);
+        valid((half_b + root) * inverse, -root).or_else(|| valid((half_b - root) * inverse, root))
+    }
+}

@@ -1,0 +1,165 @@
+//! Takes a gradient's stops and spread, makes the stretches of the parameter on which its colours go straight.
+
+use crate::scene::paint::{Sheet, Spread, Stop};
+
+/// A stretch of the parameter, as it is before it is spread, over which straight colours go straight.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Stretch {
+    pub from: f64,
+    pub to: f64,
+    /// Where `color` is.
+    origin: f64,
+    color: [f32; 4],
+    /// Change of the colour with the parameter.
+    slope: [f32; 4],
+    /// At least the second coefficient of any premultiplied component: 0 where alpha stays or colour does.
+    bend: f64,
+}
+
+/// The square of a length l of the parameter, times the bend, of which a twelfth is what the colour in the
+/// middle is off by: a quarter of an 8-bit level.
+const MOST_BEND: f64 = 12.0 * 0.25 / 255.0;
+
+/// Added to a float of 0 ..= 255 it makes a sum whose last 8 binary digits are that number, rounded: floats of
+/// this size have no digits behind the point.
+const ROUNDER: f32 = 8_388_608.0;
+
+/// Red, green and blue of 0 ..= 255 and full alpha.
+#[inline]
+fn rounded_bytes(color: [f32; 3]) -> [u8; 4] {
+    let [r, g, b] = color.map(|v| (v + ROUNDER).to_bits());
+    // What stands before the last 8 digits is the same for all; shifted by 8 or 16 nothing of it is left.
+    let word = r.wrapping_add(0xff00_0000 - ROUNDER.to_bits()).wrapping_add(g << 8).wrapping_add(b << 16);
+    word.to_le_bytes()
+}
+
+/// Of a sheet that hides what lies behind.
+#[inline]
+pub(super) fn opaque_bytes(sheet: Sheet) -> [u8; 4] {
+    let [r, g, b, _] = sheet.channels();
+    rounded_bytes([r, g, b].map(|v| v * 255.0))
+}
+
+impl Stretch {
+    fn flat(from: f64, to: f64, color: [f32; 4]) -> Stretch {
+        Stretch { from, to, origin: 0.0, color, slope: [0.0; 4], bend: 0.0 }
+    }
+
+    fn between(a: Stop, b: Stop) -> Stretch {
+        let length = b.offset - a.offset;
+        let slope: [f32; 4] = std::array::from_fn(|i| (b.color[i] - a.color[i]) / length);
+        let (from, to) = (f64::from(a.offset), f64::from(b.offset));
+        let [red, green, blue, alpha] = slope.map(|v| f64::from(v).abs());
+        let bend = red.max(green).max(blue) * alpha;
+        Stretch { from, to, origin: from, color: a.color, slope, bend }
+    }
+
+    #[inline]
+    pub fn at(&self, t: f64) -> Sheet {
+        let by = t - self.origin;
+        // Only where the colour stays is it farther.
+        let by = if by.abs() < 1e30 { by as f32 } else { 0.0 };
+        let [r, g, b, alpha]: [f32; 4] = std::array::from_fn(|i| self.color[i] + self.slope[i] * by);
+        Sheet::new([r, g, b], alpha)
+    }
+
+    /// The colours at parameters on it, for gradients that hide what lies behind.
+    #[inline]
+    pub fn write(&self, parameters: &[f64], pixels: &mut [[u8; 4]]) {
+        if self.slope == [0.0; 4] {
+            pixels.fill(self.at(self.origin).to_rgba8());
+            return;
+        }
+        let [[r, g, b, _], [by_r, by_g, by_b, _]] = [self.color, self.slope].map(|c| c.map(|v| v * 255.0));
+        for (pixel, &t) in pixels.iter_mut().zip(parameters) {
+            let by = (t - self.origin) as f32;
+            *pixel = rounded_bytes([r + by_r * by, g + by_g * by, b + by_b * by]);
+        }
+    }
+
+    /// Is the colour in the middle of [from, to] the mean over it?
+    #[inline]
+    pub fn holds(&self, from: f64, to: f64) -> bool {
+        self.from <= from && to <= self.to && self.bend * (to - from) * (to - from) <= MOST_BEND
+    }
+
+    /// The parameters around which it holds `reach` to either side.
+    #[inline]
+    pub fn middle(&self, reach: f64) -> (f64, f64) {
+        if self.bend * 4.0 * reach * reach > MOST_BEND {
+            return (f64::INFINITY, f64::NEG_INFINITY);
+        }
+        (self.from + reach, self.to - reach)
+    }
+
+    /// At least the change of any premultiplied component with the parameter.
+    #[inline]
+    pub fn steepness(&self) -> f64 {
+        let [r, g, b, alpha] = self.slope.map(f32::abs);
+        f64::from(r.max(g).max(b) + alpha)
+    }
+}
+
+/// All stretches of a gradient.
+#[derive(Clone, Debug)]
+pub(super) struct Stretches {
+    /// Without a spread: from before the first stop, where the colour stays for ever, to beyond the last.
+    all: Vec<Stretch>,
+    spread: Spread,
+}
+
+impl Stretches {
+    /// `stops` are not empty.
+    pub fn new(stops: &[Stop], spread: Spread) -> Stretches {
+        let (first, last) = (stops[0], stops[stops.len() - 1]);
+        let mut all = vec![Stretch::flat(f64::NEG_INFINITY, first.offset.into(), first.color)];
+        all.extend(stops.windows(2).map(|pair| Stretch::between(pair[0], pair[1])));
+        all.push(Stretch::flat(last.offset.into(), f64::INFINITY, last.color));
+        Stretches { all, spread }
+    }
+
+    /// The stretch around a parameter.
+    pub fn around(&self, t: f64) -> Stretch {
+        let period = t.floor();
+        let backwards = match self.spread {
+            Spread::Pad => return *self.within(t),
+            Spread::Repeat => false,
+            Spread::Reflect => period % 2.0 != 0.0,
+        };
+        let within = if backwards { 1.0 - (t - period) } else { t - period };
+        let inner = *self.within(within);
+        let (from, to) = (inner.from.max(0.0), inner.to.min(1.0));
+        match backwards {
+            false => Stretch { from: period + from, to: period + to, origin: period + inner.origin, ..inner },
+            true => {
+                let back = |t: f64| period + 1.0 - t;
+                let slope = inner.slope.map(|v| -v);
+                Stretch { from: back(to), to: back(from), origin: back(inner.origin), slope, ..inner }
+            }
+        }
+    }
+
+    /// The same without a spread.
+    #[inline]
+    fn within(&self, t: f64) -> &Stretch {
+        &self.all[self.all[1..].partition_point(|stretch| stretch.from <= t)]
+    }
+
+    /// The length of the longest one.
+    pub fn longest(&self) -> f64 {
+        let (before, beyond) = (self.all[0].to, 1.0 - self.all[self.all.len() - 1].from);
+        let (before, beyond) = match self.spread {
+            Spread::Pad => return f64::INFINITY,
+            Spread::Repeat => (before, beyond),
+            Spread::Reflect => (2.0 * before, 2.0 * beyond),
+        };
+        let between = self.all[1..self.all.len() - 1].iter().map(|stretch| stretch.to - stretch.from);
+        between.fold(before.max(beyond), f64::max)
+    }
+
+    /// The greatest change of colour with the parameter, but for hard stops.
+    pub fn steepness(&self) -> f64 {
+        let slopes = self.all.iter().filter(|stretch| stretch.from < stretch.to);
+        slopes.map(Stretch::steepness).fold(0.0, f64::max)
+    }
+}
