@@ -11,14 +11,21 @@
 //! thing: the mean is within its bound, and what is off is off at an edge by 85 levels at most. The last clause is for
 //! what reference and renderer might both get wrong, since they read the same parsed tree.
 //!
+//! A picture that is blank all over says that there is nothing to draw, and a drawing that is refused
+//! because it has no size is nothing: the two are alike.
+//!
+//! Pictures age. `--by-resvg` says that resvg made them, and takes apart those that the resvg linked here
+//! does not draw itself, by the same tolerance: the second rate is over the others.
+//!
 //! Known failures and their reasons stand in `conformance-reasons.tsv`: the end of a path, a tab, the
 //! reason. Other failures are listed as unexplained, and entries whose drawing passes as stale.
 //!
 //! ```text
-//! cargo run --release --example conformance -- DIR... [--fonts DIR] [--sans-serif FAMILY] [--serif FAMILY] [--list] [--write DIR]
+//! cargo run --release --example conformance -- DIR... [--fonts DIR] [--sans-serif FAMILY] [--serif FAMILY] [--by-resvg]
+//!     [--list] [--write DIR]
 //! ```
 //!
-//! `--list` also names what passes by the reference; `--write` writes ours and theirs side by side for each
+//! `--list` also names what passes by the reference, and pictures that resvg draws otherwise; `--write` writes ours and theirs side by side for each
 //! failure. Exit code 2 for wrong usage, otherwise 0: the report is the result.
 
 use rayon::prelude::*;
@@ -45,6 +52,7 @@ struct Arguments {
     fonts: Option<PathBuf>,
     sans_serif: Option<String>,
     serif: Option<String>,
+    by_resvg: bool,
     list: bool,
     write: Option<PathBuf>,
 }
@@ -69,13 +77,8 @@ fn main() {
     }
     println!("{}  in all, {} of them by the reference", all.rate(), all.exact);
     println!("{} failures, {} of them unexplained", all.files - all.passed, all.unexplained);
-    if all.outdated > 0 {
-        let files = all.files - all.outdated;
-        let percent = 100.0 * all.passed as f64 / files as f64;
-        println!(
-            "{} pictures are outdated; without them {} of {files}, {percent:.1}%",
-            all.outdated, all.passed
-        );
+    if arguments.by_resvg {
+        println!("{}", all.without_outdated());
     }
 }
 
@@ -88,6 +91,7 @@ fn arguments() -> Arguments {
             Some("--fonts") => arguments.fonts = given.next().map(PathBuf::from),
             Some("--sans-serif") => arguments.sans_serif = given.next().map(text),
             Some("--serif") => arguments.serif = given.next().map(text),
+            Some("--by-resvg") => arguments.by_resvg = true,
             Some("--list") => arguments.list = true,
             Some("--write") => arguments.write = given.next().map(PathBuf::from),
             Some(other) if other.starts_with("--") => usage(&format!("unknown option {other}")),
@@ -113,36 +117,47 @@ struct Tally {
     /// Of those passed, by the reference.
     exact: usize,
     unexplained: usize,
-    /// Failures whose picture its own program no longer draws.
+    /// Pictures that resvg draws otherwise, and those of them that ours is like all the same.
     outdated: usize,
+    outdated_passed: usize,
 }
 
 impl Tally {
-    fn count(&mut self, verdict: &Verdict) {
+    fn count(&mut self, Verdict { end, outdated, .. }: &Verdict) {
+        let passed = !matches!(end, End::Fails { .. });
         self.files += 1;
-        self.passed += usize::from(!matches!(verdict, Verdict::Fails { .. }));
-        self.exact += usize::from(matches!(verdict, Verdict::Exact { .. }));
-        let reason = |known: &Option<&str>| known.is_some_and(|known| known.starts_with("Outdated"));
-        self.outdated +=
-            usize::from(matches!(verdict, Verdict::Fails { reason: known, .. } if reason(known)));
-        self.unexplained += usize::from(matches!(verdict, Verdict::Fails { reason: None, .. }));
+        self.passed += usize::from(passed);
+        self.exact += usize::from(matches!(end, End::Exact { .. }));
+        self.unexplained += usize::from(matches!(end, End::Fails { reason: None, .. }));
+        self.outdated += usize::from(*outdated);
+        self.outdated_passed += usize::from(*outdated && passed);
     }
 
     fn rate(&self) -> String {
         let percent = 100.0 * self.passed as f64 / self.files.max(1) as f64;
         format!("{:5} of {:5}  {percent:5.1}%", self.passed, self.files)
     }
+
+    fn without_outdated(&self) -> String {
+        let (files, passed) = (self.files - self.outdated, self.passed - self.outdated_passed);
+        let percent = 100.0 * passed as f64 / files.max(1) as f64;
+        let outdated = self.outdated;
+        format!("without {outdated} pictures that resvg itself draws otherwise: {passed} of {files}, {percent:.1}%")
+    }
 }
 
-fn report(drawing: &Path, verdict: &Verdict, list: bool) {
+fn report(drawing: &Path, Verdict { end, outdated }: &Verdict, list: bool) {
     let drawing = drawing.display();
-    match verdict {
-        Verdict::Fails { how, reason: Some(reason) } => println!("FAIL {drawing}: {how}: {reason}"),
-        Verdict::Fails { how, reason: None } => println!("FAIL {drawing}: {how}: unexplained"),
-        Verdict::Alike { stale: true } | Verdict::Exact { stale: true, .. } => {
+    let note = if *outdated { " [resvg draws it otherwise, too]" } else { "" };
+    match end {
+        End::Fails { how, reason } => {
+            println!("FAIL {drawing}: {how}: {}{note}", reason.unwrap_or("unexplained"));
+        }
+        End::Alike { stale: true } | End::Exact { stale: true, .. } => {
             println!("STALE {drawing}: passes, take it out of conformance-reasons.tsv");
         }
-        Verdict::Exact { how, .. } if list => println!("exact, unlike the picture: {drawing}: {how}"),
+        End::Exact { how, .. } if list => println!("exact, unlike the picture: {drawing}: {how}{note}"),
+        End::Alike { .. } if list && *outdated => println!("like the picture, unlike resvg: {drawing}"),
         _ => {}
     }
 }
@@ -172,7 +187,13 @@ fn find(folder: &Path, pairs: &mut Vec<Pair>) {
     }
 }
 
-enum Verdict {
+struct Verdict {
+    end: End,
+    /// resvg made the picture and does not draw it any more.
+    outdated: bool,
+}
+
+enum End {
     /// Like the picture beside it.
     Alike {
         stale: bool,
@@ -192,10 +213,43 @@ fn judge(pair: &Pair, options: &Options, arguments: &Arguments) -> Verdict {
     let name = pair.drawing.to_string_lossy().replace('\\', "/");
     let reason = known_reason(&name);
     let stale = reason.is_some();
-    match compared(pair, options, arguments) {
-        Ok((_, Outcome::Alike)) => Verdict::Alike { stale },
-        Ok((how, Outcome::Exact)) => Verdict::Exact { how, stale },
-        Ok((how, Outcome::Unlike)) | Err(how) => Verdict::Fails { how, reason },
+    let Case { bytes, theirs, options } = &match Case::read(pair, options) {
+        Ok(case) => case,
+        Err(how) => return Verdict { end: End::Fails { how, reason }, outdated: false },
+    };
+    let outdated = arguments.by_resvg && !resvg_draws(bytes, options, theirs);
+    let end = match compared(bytes, options, theirs, |ours| {
+        if let Some(folder) = &arguments.write {
+            write_both(folder, &pair.drawing, ours, theirs);
+        }
+    }) {
+        Ok((_, Outcome::Alike)) => End::Alike { stale },
+        Ok((how, Outcome::Exact)) => End::Exact { how, stale },
+        Ok((how, Outcome::Unlike)) | Err(how) => End::Fails { how, reason },
+    };
+    Verdict { end, outdated }
+}
+
+/// A drawing, its picture, and how it is to be read.
+struct Case {
+    bytes: Vec<u8>,
+    theirs: image::RgbaImage,
+    options: Options,
+}
+
+impl Case {
+    fn read(pair: &Pair, options: &Options) -> Result<Case, String> {
+        let theirs = image::open(&pair.picture).map_err(|e| e.to_string())?.to_rgba8();
+        let bytes = std::fs::read(&pair.drawing).map_err(|e| e.to_string())?;
+        let options = Options {
+            usvg: toon_raster::usvg::Options {
+                resources_dir: pair.drawing.parent().map(Path::to_path_buf),
+                fontdb: options.usvg.fontdb.clone(),
+                ..Default::default()
+            },
+            ..Default::default()
+        };
+        Ok(Case { bytes, theirs, options })
     }
 }
 
@@ -211,21 +265,21 @@ enum Outcome {
     Unlike,
 }
 
-/// The figures, and what they amount to.
-fn compared(pair: &Pair, options: &Options, arguments: &Arguments) -> Result<(String, Outcome), String> {
-    let theirs = image::open(&pair.picture).map_err(|e| e.to_string())?.to_rgba8();
-    let bytes = std::fs::read(&pair.drawing).map_err(|e| e.to_string())?;
-    let options = Options {
-        usvg: toon_raster::usvg::Options {
-            resources_dir: pair.drawing.parent().map(Path::to_path_buf),
-            fontdb: options.usvg.fontdb.clone(),
-            ..Default::default()
-        },
-        ..Default::default()
+/// The figures, and what they amount to; `show` is given a picture that is unlike.
+fn compared(
+    bytes: &[u8],
+    options: &Options,
+    theirs: &image::RgbaImage,
+    show: impl Fn(&image::RgbaImage),
+) -> Result<(String, Outcome), String> {
+    let (ours, warnings) = match rendered(bytes, options, theirs.dimensions()) {
+        Ok(made) => made,
+        Err(toon_raster::Error::Size(_)) if is_blank(theirs) => {
+            return Ok(("nothing".to_string(), Outcome::Alike));
+        }
+        Err(why) => return Err(why.to_string()),
     };
-    let (ours, warnings) = rendered(&bytes, &options, (theirs.width(), theirs.height()))?;
-    let ground = theirs.pixels().all(|p| p.0[3] == 255).then_some([255.0; 4]);
-    let (our_blur, their_blur) = (Levels::of(&ours, ground).blurred(), Levels::of(&theirs, ground).blurred());
+    let (our_blur, their_blur) = blurred(&ours, theirs);
     let (max, mean) = our_blur.difference(&their_blur);
     let mut how = format!("max {max:.0}, mean {mean:.2}");
     if max <= MAX && mean <= MEAN {
@@ -233,16 +287,47 @@ fn compared(pair: &Pair, options: &Options, arguments: &Arguments) -> Result<(St
     }
     let same_but_for_edges =
         mean <= MEAN && max <= MAX_AT_EDGES && our_blur.differs_at_edges_only(&their_blur);
-    if warnings.is_empty() && same_but_for_edges && is_exact(&bytes, &options, &ours) {
+    if warnings.is_empty() && same_but_for_edges && is_exact(bytes, options, &ours) {
         return Ok((how, Outcome::Exact));
     }
-    if let Some(folder) = &arguments.write {
-        write_both(folder, &pair.drawing, &ours, &theirs);
-    }
+    show(&ours);
     if !warnings.is_empty() {
         how += &format!("; not drawn: {warnings}");
     }
     Ok((how, Outcome::Unlike))
+}
+
+fn is_blank(picture: &image::RgbaImage) -> bool {
+    picture.pixels().all(|p| p.0[3] == 0)
+}
+
+fn blurred(ours: &image::RgbaImage, theirs: &image::RgbaImage) -> (Levels, Levels) {
+    let ground = theirs.pixels().all(|p| p.0[3] == 255).then_some([255.0; 4]);
+    (Levels::of(ours, ground).blurred(), Levels::of(theirs, ground).blurred())
+}
+
+/// Does resvg draw this picture, within the tolerance?
+fn resvg_draws(bytes: &[u8], options: &Options, theirs: &image::RgbaImage) -> bool {
+    let (width, height) = theirs.dimensions();
+    let draw = || {
+        let tree = match resvg::usvg::Tree::from_data(bytes, &options.usvg) {
+            Ok(tree) => tree,
+            Err(resvg::usvg::Error::InvalidSize) => return Some(image::RgbaImage::new(width, height)),
+            Err(_) => return None,
+        };
+        let size = kurbo::Size::new(tree.size().width().into(), tree.size().height().into());
+        let [sx, ky, kx, sy, tx, ty] = placed(size, width, height).transform.as_coeffs().map(|v| v as f32);
+        let mut canvas = resvg::tiny_skia::Pixmap::new(width, height)?;
+        let transform = resvg::tiny_skia::Transform::from_row(sx, ky, kx, sy, tx, ty);
+        resvg::render(&tree, transform, &mut canvas.as_mut());
+        image::RgbaImage::from_raw(width, height, canvas.take_demultiplied())
+    };
+    let drawn = std::panic::catch_unwind(std::panic::AssertUnwindSafe(draw)).ok().flatten();
+    drawn.is_some_and(|drawn| {
+        let (one, other) = blurred(&drawn, theirs);
+        let (max, mean) = one.difference(&other);
+        max <= MAX && mean <= MEAN
+    })
 }
 
 /// The picture, and what it leaves out.
@@ -250,22 +335,22 @@ fn rendered(
     bytes: &[u8],
     options: &Options,
     (width, height): (u32, u32),
-) -> Result<(image::RgbaImage, String), String> {
+) -> Result<(image::RgbaImage, String), toon_raster::Error> {
     let render = || -> Result<_, toon_raster::Error> {
         let scene = Scene::from_bytes(bytes, options)?;
         let settings = Settings { threads: 1, ..Settings::default() };
-        let picture = Renderer::new(settings)?.render(&scene, &placed(&scene, width, height))?;
+        let picture = Renderer::new(settings)?.render(&scene, &placed(scene.size(), width, height))?;
         let warnings: Vec<&str> = scene.warnings().iter().map(|warning| warning.kind).collect();
         Ok((image::RgbaImage::from(picture), warnings.join(", ")))
     };
     let made = std::panic::catch_unwind(std::panic::AssertUnwindSafe(render));
-    made.map_err(|_| "internal error".to_string())?.map_err(|e| e.to_string())
+    made.map_err(|_| toon_raster::Error::Parse("internal error".to_string()))?
 }
 
 /// The drawing as wide as the picture, whose height may have been rounded to a pixel; or, where the two
 /// have another shape, all of the drawing in the middle.
-fn placed(scene: &Scene, width: u32, height: u32) -> Viewport {
-    let (size, room) = (scene.size(), kurbo::Size::new(width.into(), height.into()));
+fn placed(size: kurbo::Size, width: u32, height: u32) -> Viewport {
+    let room = kurbo::Size::new(width.into(), height.into());
     let by_width = room.width / size.width;
     let scale = match (by_width * size.height - room.height).abs() < 1.0 {
         true => by_width,
@@ -285,7 +370,7 @@ fn is_exact(bytes: &[u8], options: &Options, ours: &image::RgbaImage) -> bool {
         return false;
     }
     let Ok(scene) = Scene::from_tree(&tree) else { return false };
-    let viewport = placed(&scene, ours.width(), ours.height());
+    let viewport = placed(scene.size(), ours.width(), ours.height());
     let Ok(truth) = reference::render(&tree, &viewport, &reference::Options::default()) else { return false };
     let mut picture = Pixmap::new(ours.width(), ours.height());
     picture.data_mut().copy_from_slice(ours);

@@ -5,7 +5,7 @@
 
 use crate::edges::EdgeList;
 use crate::effects::filter::region::{regions, Canvas};
-use crate::effects::filter::{held_pixels, passes};
+use crate::effects::filter::{held_pixels, passes, Step};
 use crate::effects::layer::{IntRect, Pixel};
 use crate::layers::{copied_size, over, period, place_of, tiles_to_draw, MOST_PIXELS};
 use crate::methods::{painter, Painter};
@@ -70,6 +70,19 @@ pub struct Pass {
     pub width: usize,
     /// See `width`.
     pub height: usize,
+    /// A component transfer of noise, which [`Settings::index_aa`] averages over each pixel: at the price
+    /// of the same noise once more, over one column and one row more.
+    pub is_table_over_noise: bool,
+}
+
+impl Pass {
+    /// Points at which there would be noise for [`Settings::index_aa`].
+    pub fn noise_points(&self) -> u64 {
+        match self.is_table_over_noise {
+            true => (self.width as u64 + 1) * (self.height as u64 + 1),
+            false => 0,
+        }
+    }
 }
 
 impl Plan {
@@ -219,7 +232,11 @@ impl Planner<'_> {
             made.passes.push(pass("content", regions[0]));
             made.bytes = self.content(&group.content, canvas.to_canvas, regions[0], depth);
             for (filter, &region) in group.filters.iter().zip(&regions) {
-                made.passes.extend(passes(filter).into_iter().map(|name| pass(name, region)));
+                let steps = passes(filter).into_iter();
+                made.passes.extend(steps.map(|Step { name, is_table_over_noise }| Pass {
+                    is_table_over_noise,
+                    ..pass(name, region)
+                }));
                 made.bytes = made.bytes.max(held_pixels(filter, region) * BYTES_PER_PIXEL);
             }
             if let Err(why) = crate::effects::filter::affordable(&group.filters, &regions) {
@@ -293,5 +310,6 @@ struct Made {
 }
 
 fn pass(name: &str, over: IntRect) -> Pass {
-    Pass { name: name.to_string(), width: over.width(), height: over.height() }
+    let (width, height) = (over.width(), over.height());
+    Pass { name: name.to_string(), width, height, is_table_over_noise: false }
 }

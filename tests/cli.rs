@@ -318,6 +318,27 @@ fn a_reader_that_leaves_early_is_no_error() {
 }
 
 #[test]
+fn what_is_wrong_with_every_frame_of_a_film_is_said_once() {
+    let folder = Folder::with(
+        "<svg xmlns='http://www.w3.org/2000/svg' width='9' height='9'><filter id='f'><feGaussianBlur stdDeviation='1'/></filter>
+        <rect width='4' height='4' filter='url(#f)'><animate attributeName='x' to='5' dur='1s'/></rect></svg>",
+    );
+    for output in ["out.####.png", "out.gif"] {
+        let output = folder.run(&["in.svg", "-o", output, "--fps", "5", "--aa", "beam"]);
+        let said = stderr(&output);
+        let lines: Vec<&str> = said.lines().collect();
+        assert_eq!(output.status.code(), Some(1), "{said}");
+        assert!(lines.len() == 2 && lines[0].contains("the method beam draws no filters"), "{said}");
+        assert!(lines[1].ends_with("in.svg: the same in 4 more frames"), "{said}");
+        // Each drawing of several has its own line.
+        folder.write("k1.svg", "<svg");
+        folder.write("k2.svg", "<svg");
+        let said = stderr(&folder.run(&["k*.svg", "-o", "films/"]));
+        assert_eq!(said.lines().count(), 2, "{said}");
+    }
+}
+
+#[test]
 fn what_is_not_drawn_is_warned_of_once_a_kind_unless_quiet() {
     let folder = Folder::with(
         r##"<svg xmlns="http://www.w3.org/2000/svg" width="9" height="9">

@@ -268,6 +268,45 @@ fn explain_tells_of_each_light_how_many_samples_would_cure_it() {
 }
 
 #[test]
+fn explain_tells_where_index_aa_applies_and_what_it_costs() {
+    let filtered = |primitives: &str| {
+        format!(
+            "<svg xmlns='http://www.w3.org/2000/svg' width='40' height='30'><filter id='f' x='0' y='0' width='1' height='1'>
+            {primitives}</filter><rect width='40' height='30' filter='url(#f)'/></svg>"
+        )
+    };
+    let (noise, table) = (
+        "<feTurbulence baseFrequency='.3'/>",
+        "<feComponentTransfer><feFuncR type='discrete' tableValues='0 1'/></feComponentTransfer>",
+    );
+    let matrix = "<feColorMatrix type='hueRotate' values='40'/>";
+    for (primitives, tables) in [
+        (format!("{noise}{table}"), 1),
+        (format!("{noise}{matrix}{matrix}{table}"), 1),
+        (format!("{noise}<feOffset dx='1'/>{table}"), 0),
+        (format!("{table}{noise}"), 0),
+        (noise.to_string(), 0),
+    ] {
+        let svg = filtered(&primitives);
+        for (flags, on) in
+            [(&["explain", "--json", "-"][..], false), (&["explain", "--json", "--index-aa", "-"], true)]
+        {
+            let told: serde_json::Value =
+                serde_json::from_slice(&run(flags, svg.as_bytes()).stdout).expect("JSON");
+            // The noise at the corners of 40 x 30 pixels.
+            let wanted = serde_json::json!({"on": on, "tables": tables, "noise_points": tables * 41 * 31});
+            assert_eq!(told["index_aa"], wanted, "{primitives}");
+        }
+        // Where it says that nothing is averaged, nothing is.
+        let picture =
+            |flags: &[&str]| run(&[&["-", "-", "--format", "rgba"], flags].concat(), svg.as_bytes()).stdout;
+        assert_eq!(picture(&[]) != picture(&["--index-aa"]), tables > 0, "{primitives}");
+    }
+    let said = text(&run(&["explain", "-"], filtered(&format!("{noise}{table}")).as_bytes()).stdout);
+    assert!(said.contains("--index-aa would average them, for 1271 more points of noise"), "{said}");
+}
+
+#[test]
 fn explain_fails_as_rendering_does() {
     let one = |arguments: &[&str], input: &[u8]| {
         let output = run(arguments, input);

@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::process::ExitCode;
 use toon_raster::frames::Timeline;
-use toon_raster::plan::LayerPlan;
+use toon_raster::plan::{LayerPlan, Pass};
 use toon_raster::{
     Census, Highlights, LitSurface, Options, Plan, Renderer, Scene, Settings, Viewport, Warning,
 };
@@ -162,6 +162,15 @@ struct Explanation {
     not_drawn: Vec<String>,
 }
 
+/// Tables over noise, which `--index-aa` averages.
+#[derive(Serialize)]
+struct IndexAa {
+    on: bool,
+    tables: usize,
+    /// What that takes: points at which there is noise once more.
+    noise_points: u64,
+}
+
 /// One effect: its name in the JSON, how often the scene calls for it, and what that brings in.
 struct Effect {
     name: &'static str,
@@ -223,6 +232,15 @@ impl Explanation {
         .map(|(name, count, machinery)| Effect { name, count, machinery })
     }
 
+    fn index_aa(&self) -> IndexAa {
+        let passes = || self.plan.layers.iter().flat_map(|layer| &layer.passes);
+        IndexAa {
+            on: self.settings.index_aa,
+            tables: passes().filter(|pass| pass.is_table_over_noise).count(),
+            noise_points: passes().map(Pass::noise_points).sum(),
+        }
+    }
+
     fn is_flat(&self) -> bool {
         self.census.is_flat() && self.motion.count() == 0
     }
@@ -254,6 +272,7 @@ impl Explanation {
             let machinery = (count > 0).then_some(machinery);
             key(name, serde_json::to_string(&Counted { count, machinery }));
         }
+        key("index_aa", serde_json::to_string(&self.index_aa()));
         key("motion", serde_json::to_string(&self.motion));
         key("lights", serde_json::to_string(&self.lights));
         key("plan", serde_json::to_string(&self.plan));
@@ -327,6 +346,19 @@ impl Explanation {
         if plan.color_map_bytes > 0 {
             let words = "bytes, if every gradient turns within a pixel somewhere";
             line("colour maps", &plan.color_map_bytes.to_string(), words);
+        }
+        let IndexAa { on, tables, noise_points } = self.index_aa();
+        if tables > 0 {
+            let words = match on {
+                true => {
+                    format!("over noise, averaged over each pixel, for {noise_points} more points of noise")
+                }
+                false => format!(
+                    "over noise, looked up at one point a pixel: --index-aa would average them, for \
+                     {noise_points} more points of noise"
+                ),
+            };
+            line("tables", &tables.to_string(), &words);
         }
         for Light { filter, exponent, pixels, aliasing, samples_a_side } in &self.lights {
             let words = match aliasing {

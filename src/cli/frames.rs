@@ -173,6 +173,10 @@ impl Shoot {
             _ => (self.to_files(&studio, &mut progress), true),
         };
         progress.clear();
+        let again = failures.windows(2).filter(|two| self.is_told(&two[1], &two[..1])).count();
+        if again > 0 {
+            report::line(&format!("{}: the same in {again} more frames", self.job.origin.name()));
+        }
         if let Some(style) = self.job.picture.perf {
             self.perf(&studio).print(style);
         }
@@ -190,6 +194,18 @@ impl Shoot {
         }
     }
 
+    /// Tells of a frame's failure.
+    fn tell(&self, name: &str, failure: &Failure, before: &[Failure]) {
+        if !self.is_told(failure, before) {
+            report::failure(name, failure);
+        }
+    }
+
+    /// What is wrong with one frame of a drawing is often wrong with all: that is said once.
+    fn is_told(&self, failure: &Failure, before: &[Failure]) -> bool {
+        matches!(self.job.origin, Origin::Animated(_)) && before.last() == Some(failure)
+    }
+
     fn to_files(&self, studio: &Studio, progress: &mut Progress) -> Vec<Failure> {
         let make = |painter: &mut Painter, n: usize| {
             report::catching(|| self.to_file(studio, painter, &self.frames[n]))
@@ -202,7 +218,7 @@ impl Shoot {
                 Ok(Done::WasThere) => progress.skip(&frame.name),
                 Err(failure) => {
                     progress.clear();
-                    report::failure(&frame.name, &failure);
+                    self.tell(&frame.name, &failure, &failures);
                     // Where this one cannot be written, no other can.
                     let nowhere = matches!(failure, Failure::Place(_));
                     failures.push(failure);
@@ -320,7 +336,7 @@ impl Shoot {
                 (Ok(frame), None) => (reel.add(frame), true),
                 (_, Some(failure)) => {
                     progress.clear();
-                    report::failure(name, failure);
+                    self.tell(name, failure, failures);
                     failures.push(failure.clone());
                     (reel.repeat(), false)
                 }

@@ -14,7 +14,7 @@ const USAGE: u8 = 2;
 const BAD_INPUT: u8 = 3;
 
 /// Why one input did not become a picture.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Failure {
     /// The input's fault, or that of what was asked of it.
     Input(String),

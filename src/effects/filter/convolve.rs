@@ -34,30 +34,28 @@ pub(super) fn apply(layer: Layer, fe: &ConvolveMatrix) -> Result<Layer, Error> {
     };
     let (scale, bias) = (1.0 / fe.divisor().get(), fe.bias());
     let mut made = Layer::clear(rect, layer.space());
-    for (i, to) in made.pixels_mut().iter_mut().enumerate() {
-        let (x, y) = ((i % width) as i64, (i / width) as i64);
-        let mut sum = CLEAR;
+    let mut sums = vec![CLEAR; width];
+    for (y, row) in made.pixels_mut().chunks_exact_mut(width).enumerate() {
+        sums.fill(CLEAR);
         for tap in &taps {
-            let column = folded(x + tap.dx, width, fe.edge_mode());
-            let row = folded(y + tap.dy, height, fe.edge_mode());
-            if let (Some(column), Some(row)) = (column, row) {
-                let pixel = &seen[row * width + column];
-                for c in 0..4 {
-                    sum[c] += tap.weight * pixel[c];
-                }
+            let from = folded(y as i64 + tap.dy, height, fe.edge_mode());
+            if let Some(from) = from.map(|y| &seen[y * width..][..width]) {
+                tap.add(from, fe.edge_mode(), &mut sums);
             }
         }
-        *to = if fe.preserve_alpha() {
-            let alpha = seen[i][3];
-            let color = |c: usize| sum[c] * scale + bias * alpha;
-            premultiplied([color(0), color(1), color(2), alpha])
-        } else {
-            let alpha = sum[3] * scale + bias;
-            let bounded = unit(alpha);
-            // `max` before `min`: NaN becomes 0.
-            let color = |c: usize| (sum[c] * scale + bias * alpha).max(0.0).min(bounded);
-            [color(0), color(1), color(2), bounded]
-        };
+        for ((sum, to), seen) in sums.iter().zip(row).zip(&seen[y * width..]) {
+            *to = if fe.preserve_alpha() {
+                let alpha = seen[3];
+                let color = |c: usize| sum[c] * scale + bias * alpha;
+                premultiplied([color(0), color(1), color(2), alpha])
+            } else {
+                let alpha = sum[3] * scale + bias;
+                let bounded = unit(alpha);
+                // `max` before `min`: NaN becomes 0.
+                let color = |c: usize| (sum[c] * scale + bias * alpha).max(0.0).min(bounded);
+                [color(0), color(1), color(2), bounded]
+            };
+        }
     }
     Ok(made)
 }
@@ -67,6 +65,28 @@ struct Tap {
     dx: i64,
     dy: i64,
     weight: f32,
+}
+
+impl Tap {
+    /// What it adds to the sums of a row, looking at one.
+    fn add(&self, from: &[Pixel], edges: EdgeMode, sums: &mut [Pixel]) {
+        let add = |sum: &mut Pixel, pixel: &Pixel| {
+            for c in 0..4 {
+                sum[c] += self.weight * pixel[c];
+            }
+        };
+        // The part of the row from which it looks at the row itself.
+        let width = sums.len() as i64;
+        let first = (-self.dx).clamp(0, width);
+        let end = (width - self.dx).clamp(first, width);
+        let seen = from.iter().skip((first + self.dx).max(0) as usize);
+        sums[first as usize..end as usize].iter_mut().zip(seen).for_each(|(sum, pixel)| add(sum, pixel));
+        for x in (0..first).chain(end..width) {
+            if let Some(column) = folded(x + self.dx, from.len(), edges) {
+                add(&mut sums[x as usize], &from[column]);
+            }
+        }
+    }
 }
 
 /// The kernel turned half around, as convolution has it, without its zeros.

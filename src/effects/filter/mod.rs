@@ -57,9 +57,9 @@ pub(crate) struct Job<'a> {
     pub highlights: Highlights,
     /// Leave out what [`pointwise::has_source_in_front`] tells of: it is painted otherwise.
     pub without_front: bool,
-    /// Where there is one, what aliases of the highlights, were they drawn as they are, is added to it.
     /// Tables over noise are averaged over a pixel ([`crate::Settings::index_aa`]).
     pub index_aa: bool,
+    /// What runs, and what aliases of the highlights, is noted in it.
     pub log: &'a Log,
     pub draw: &'a mut DrawContent<'a>,
 }
@@ -109,11 +109,44 @@ pub(crate) fn held_pixels(filter: &Filter, region: IntRect) -> u64 {
     region.area().saturating_mul(most_layers(&last_use) as u64)
 }
 
-/// The primitives of a filter that are run, by name, in order.
-pub(crate) fn passes(filter: &Filter) -> Vec<&'static str> {
-    let (origins, _) = origins_and_last_use(filter.primitives());
-    let run = filter.primitives().iter().zip(&origins).filter(|(_, origins)| origins.is_some());
-    run.map(|(primitive, _)| name(primitive.kind())).collect()
+/// A primitive that is run.
+pub(crate) struct Step {
+    pub name: &'static str,
+    /// It is a component transfer of noise: what index anti-aliasing averages.
+    pub is_table_over_noise: bool,
+}
+
+/// The primitives of a filter that are run, in order.
+pub(crate) fn passes(filter: &Filter) -> Vec<Step> {
+    let primitives = filter.primitives();
+    let (origins, _) = origins_and_last_use(primitives);
+    let is_run = |number: &usize| origins[*number].is_some();
+    let step = |number: usize| {
+        let kind = primitives[number].kind();
+        let is_table = matches!(kind, Kind::ComponentTransfer(_));
+        let is_table_over_noise = is_table && way_to_noise(primitives, &origins, number).is_some();
+        Step { name: name(kind), is_table_over_noise }
+    };
+    (0..primitives.len()).filter(is_run).map(step).collect()
+}
+
+/// The primitives that a primitive's input goes back through to noise, if there are none but colour matrices between:
+/// the nearest first, feTurbulence last.
+fn way_to_noise(
+    primitives: &[Primitive],
+    origins: &[Option<Vec<Origin>>],
+    number: usize,
+) -> Option<Vec<usize>> {
+    let (mut way, mut at) = (Vec::new(), number);
+    loop {
+        let &[Origin::Result(of)] = origins[at].as_deref()? else { return None };
+        way.push(of);
+        match primitives[of].kind() {
+            Kind::ColorMatrix(_) => at = of,
+            Kind::Turbulence(_) => return Some(way),
+            _ => return None,
+        }
+    }
 }
 
 /// What SVG calls a primitive.
@@ -343,28 +376,24 @@ impl<'a> Run<'a> {
             return None;
         }
         let primitives = self.filter.primitives();
-        let mut recolouring = Vec::new();
-        let mut within = self.region;
-        let mut at = number;
-        loop {
-            let &[Origin::Result(of)] = self.origins(at) else { return None };
-            let primitive = &primitives[of];
-            let own_space = Space::from(primitive.color_interpolation());
-            within = within.intersect(pixels_of(primitive.rect(), job.to_canvas));
-            match primitive.kind() {
-                Kind::ColorMatrix(fe) => recolouring.push((fe, own_space)),
-                Kind::Turbulence(fe) => {
+        let way = way_to_noise(primitives, &self.origins, number)?;
+        let regions = way.iter().map(|&of| pixels_of(primitives[of].rect(), job.to_canvas));
+        let within = regions.fold(self.region, IntRect::intersect);
+        let mut corners = None;
+        for primitive in way.iter().rev().map(|&of| &primitives[of]) {
+            let space = Space::from(primitive.color_interpolation());
+            corners = match (primitive.kind(), corners) {
+                (Kind::Turbulence(fe), _) => {
                     let tile = user_rect(primitive);
-                    let mut corners = turbulence::corners(fe, own_space, self.region, job.to_canvas, tile);
-                    for (fe, space) in recolouring.into_iter().rev() {
-                        corners = color::matrix(corners.into_space(space), fe.kind());
-                    }
-                    return Some((corners.into_space(space), within));
+                    Some(turbulence::corners(fe, space, self.region, job.to_canvas, tile))
+                }
+                (Kind::ColorMatrix(fe), Some(corners)) => {
+                    Some(color::matrix(Layer::into_space(corners, space), fe.kind()))
                 }
                 _ => return None,
-            }
-            at = of;
+            };
         }
+        Some((corners?.into_space(space), within))
     }
 
     fn offset(&mut self, number: usize, (dx, dy): (f64, f64)) -> Layer {
