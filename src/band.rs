@@ -115,7 +115,7 @@ impl<C: Coverage> BandRenderer<C> {
         let place = place_of(rows);
         let style = style_of(outline);
         for (row, columns) in places(bounds, rows) {
-            let picture = (depth == 0).then_some(&mut *rows);
+            let picture = (depth == 0 && !cel.waits_in(row)).then_some(&mut *rows);
             let take = Painting { cel, row, brush: &brush, top: place.top, picture, entries };
             let mut take = Clipping { row, clip: clip.as_deref(), take };
             self.coverage.row(row, columns, place, style, &mut take);

@@ -13,6 +13,7 @@
 //! Promises: a finished pixel is never visited again, and no entry is kept behind an opaque solid run.
 
 mod groups;
+mod waiting;
 
 use crate::bitmap::{for_runs, word_masks, Bitmap};
 use crate::coverage::Part;
@@ -85,6 +86,8 @@ pub(crate) struct Cel {
     lists: Vec<(u32, u32)>,
     /// Pixels whose z-list the last shape has ended with an opaque colour, which is not in it.
     to_resolve: Vec<Pixels>,
+    /// Blended groups that wait for what lies behind them.
+    waiting: waiting::Waiting,
 }
 
 /// Some of the 64 pixels of one word of a row.
@@ -108,6 +111,7 @@ impl Cel {
             sheets: vec![Sheet::CLEAR; width * rows],
             lists: vec![(NO_ENTRY, NO_ENTRY); width * rows],
             to_resolve: Vec::new(),
+            waiting: waiting::Waiting::default(),
         }
     }
 
@@ -117,6 +121,7 @@ impl Cel {
         self.finished.clear();
         self.touched.clear();
         self.listed.clear();
+        self.waiting.clear();
     }
 
     /// Takes for finished the pixels of those words of a row which `stands` says are in the picture already.
