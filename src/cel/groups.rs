@@ -147,7 +147,12 @@ impl Cel {
         self.append_mark((row, x), Kind::GroupEnd, entries);
     }
 
-    pub(super) fn append_mark<P: Part>(&mut self, (row, x): (usize, usize), kind: Kind, entries: &mut Vec<Entry<P>>) {
+    pub(super) fn append_mark<P: Part>(
+        &mut self,
+        (row, x): (usize, usize),
+        kind: Kind,
+        entries: &mut Vec<Entry<P>>,
+    ) {
         if !self.listed.get(row, x) {
             self.start_empty_list(row, x);
         }

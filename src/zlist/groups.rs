@@ -4,12 +4,13 @@
 //! Along a border pixel after pixel has the same list but for its fragments' areas. So the colours of the
 //! sets are kept with the list, and a tree of groups is walked through once for many pixels.
 
-use super::{Head, Kind, ZLists, WHOLE};
+use super::{Borders, Head, Kind, ZLists, WHOLE};
 use crate::pixel::few::MOST_LEAVES;
 use crate::pixel::fragment::{Fragment, PIXEL_AREA};
 use crate::pixel::paint_tree::{Composite, PaintTree};
 use crate::pixel::resolve::{Mean, Resolver, Surroundings};
 use crate::scene::paint::Sheet;
+use crate::strips::Piece;
 
 /// Steps of a list that is kept.
 const MOST_STEPS: usize = 16;
@@ -55,7 +56,23 @@ struct Reading<'a> {
     hash: u64,
 }
 
-impl Reading<'_> {
+impl<'a> Reading<'a> {
+    /// The number of a fragment, or `None` if there are too many. One with the border and the area of another
+    /// is the same.
+    fn leaf(&mut self, fragment: &'a Fragment, pieces: &[Piece]) -> Option<u8> {
+        let known = self.leaves[..self.leaf_count].iter().flatten();
+        let same = known.enumerate().find(|(_, leaf)| {
+            leaf.area() == fragment.area()
+                && identity(leaf, pieces).is_some_and(|own| identity(fragment, pieces) == Some(own))
+        });
+        if let Some((same, _)) = same {
+            return Some(same as u8);
+        }
+        *self.leaves.get_mut(self.leaf_count)? = Some(fragment);
+        self.leaf_count += 1;
+        Some(self.leaf_count as u8 - 1)
+    }
+
     /// `None` if there are too many.
     #[inline]
     fn push(&mut self, step: Step) -> Option<()> {
@@ -124,9 +141,7 @@ impl ZLists<'_> {
                 Kind::Sheet(sheet) if entry.part == WHOLE => Step::Sheet(sheet, None),
                 Kind::Sheet(_) => {
                     let (fragment, sheet) = self.leaf(entry)?;
-                    *reading.leaves.get_mut(reading.leaf_count)? = Some(fragment);
-                    reading.leaf_count += 1;
-                    Step::Sheet(sheet, Some(reading.leaf_count as u8 - 1))
+                    Step::Sheet(sheet, Some(reading.leaf(fragment, self.pieces)?))
                 }
                 Kind::Gradient(_) => return None,
                 Kind::GroupStart(composite) => Step::Start(composite),
@@ -137,6 +152,12 @@ impl ZLists<'_> {
         }
         Some(reading)
     }
+}
+
+fn identity(fragment: &Fragment, pieces: &[Piece]) -> Option<u64> {
+    let mut borders = Borders::default();
+    borders.add(fragment, pieces);
+    borders.identity()
 }
 
 impl KnownColors {
