@@ -15,6 +15,8 @@
 mod groups;
 mod waiting;
 
+pub(crate) use groups::for_same;
+
 use crate::bitmap::{for_runs, word_masks, Bitmap};
 use crate::coverage::Part;
 use crate::edges::{Bounds, BAND_ROWS};
@@ -335,9 +337,9 @@ impl Cel {
         (self.finished.row(row)[word] & !touched, touched & !listed, listed)
     }
 
-    /// All that was painted on a uniform pixel.
-    pub fn sheet(&self, row: usize, x: usize) -> Sheet {
-        self.sheets[row * self.width + x]
+    /// All that was painted on each of the uniform pixels [from, to) of a row.
+    pub fn sheets(&self, row: usize, (from, to): (usize, usize)) -> &[Sheet] {
+        &self.sheets[row * self.width + from..row * self.width + to]
     }
 
     /// The z-list of a pixel that has one.

@@ -209,7 +209,7 @@ pub(super) struct Content {
 
 /// Calls `take` with each run [from, to) of neighbours that are the same, and what they are.
 #[inline(always)]
-pub(super) fn for_same(sheets: &[Sheet], mut take: impl FnMut(usize, usize, Sheet)) {
+pub(crate) fn for_same(sheets: &[Sheet], mut take: impl FnMut(usize, usize, Sheet)) {
     let mut from = 0;
     while let Some(&sheet) = sheets.get(from) {
         let same = sheets[from + 1..].iter().take_while(|other| other.is_same(sheet)).count();

@@ -7,8 +7,8 @@
 use super::{Borders, Head, Kind, ZLists, WHOLE};
 use crate::pixel::few::MOST_LEAVES;
 use crate::pixel::fragment::{Fragment, PIXEL_AREA};
-use crate::pixel::paint_tree::{Composite, PaintTree};
-use crate::pixel::resolve::{Mean, Resolver, Surroundings};
+use crate::pixel::paint_tree::{Composite, Effect, PaintTree};
+use crate::pixel::resolve::{Mean, Node, Resolver, Surroundings};
 use crate::scene::paint::Sheet;
 use crate::strips::Piece;
 
@@ -19,7 +19,7 @@ const MOST_STEPS: usize = 16;
 const KEPT_BITS: u32 = 7;
 
 /// An entry of a list: what is known of it without its geometry.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug)]
 enum Step {
     /// A sheet over the whole pixel, or where the fragment of this number lies.
     Sheet(Sheet, Option<u8>),
@@ -28,9 +28,13 @@ enum Step {
     End,
 }
 
+/// A step as words, which are quick to compare.
+type Key = [u64; 3];
+
 /// A list, and the colours of its sets of fragments as far as they have been asked for.
 #[derive(Clone)]
 struct Kept {
+    keys: [Key; MOST_STEPS],
     steps: [Step; MOST_STEPS],
     count: usize,
     background: Sheet,
@@ -44,31 +48,44 @@ struct Kept {
 pub(crate) struct KnownColors {
     /// None of them before the first list.
     kept: Vec<Kept>,
+    reading: Reading,
     tree: PaintTree,
 }
 
 /// A list as it is read.
-struct Reading<'a> {
+struct Reading {
+    keys: [Key; MOST_STEPS],
     steps: [Step; MOST_STEPS],
     count: usize,
-    leaves: [Option<&'a Fragment>; MOST_LEAVES],
-    leaf_count: usize,
     hash: u64,
+    /// Their places in the list of all nodes.
+    leaves: [u32; MOST_LEAVES],
+    leaf_count: usize,
 }
 
-impl<'a> Reading<'a> {
-    /// The number of a fragment, or `None` if there are too many. One with the border and the area of another
-    /// is the same.
-    fn leaf(&mut self, fragment: &'a Fragment, pieces: &[Piece]) -> Option<u8> {
-        let known = self.leaves[..self.leaf_count].iter().flatten();
-        let same = known.enumerate().find(|(_, leaf)| {
-            leaf.area() == fragment.area()
-                && identity(leaf, pieces).is_some_and(|own| identity(fragment, pieces) == Some(own))
-        });
-        if let Some((same, _)) = same {
-            return Some(same as u8);
+impl Default for Reading {
+    fn default() -> Reading {
+        let (keys, steps) = ([[0; 3]; MOST_STEPS], [Step::Middle; MOST_STEPS]);
+        Reading { keys, steps, count: 0, hash: 0, leaves: [0; MOST_LEAVES], leaf_count: 0 }
+    }
+}
+
+impl Reading {
+    fn clear(&mut self) {
+        (self.count, self.hash, self.leaf_count) = (0, 0, 0);
+    }
+
+    /// The number of the fragment that a node is, or `None` if there are too many. One with the border and
+    /// the area of another is the same.
+    #[inline]
+    fn leaf(&mut self, node: u32, fragment: &Fragment, lists: &ZLists) -> Option<u8> {
+        for (number, &known) in self.leaves[..self.leaf_count].iter().enumerate() {
+            let known = lists.fragment(known)?;
+            if known.area() == fragment.area() && is_same(known, fragment, lists.pieces) {
+                return Some(number as u8);
+            }
         }
-        *self.leaves.get_mut(self.leaf_count)? = Some(fragment);
+        *self.leaves.get_mut(self.leaf_count)? = node;
         self.leaf_count += 1;
         Some(self.leaf_count as u8 - 1)
     }
@@ -76,61 +93,81 @@ impl<'a> Reading<'a> {
     /// `None` if there are too many.
     #[inline]
     fn push(&mut self, step: Step) -> Option<()> {
+        let key = step.key();
         *self.steps.get_mut(self.count)? = step;
+        self.keys[self.count] = key;
         self.count += 1;
-        let own = match step {
-            Step::Sheet(sheet, leaf) => {
-                let [r, g, b, through] = sheet.channels().map(|v| u64::from(v.to_bits()));
-                (r | g << 32) ^ (b << 7 | through << 27) ^ leaf.map_or(0, |leaf| 1 + u64::from(leaf))
-            }
-            Step::Start(composite) => 0x51 + u64::from(composite.opacity.to_bits()),
-            Step::Middle => 0x52,
-            Step::End => 0x53,
-        };
+        let own = key[0] ^ key[1].rotate_left(19) ^ key[2].rotate_left(41);
         self.hash = (self.hash ^ own).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(29);
         Some(())
+    }
+}
+
+impl Step {
+    #[inline]
+    fn key(self) -> Key {
+        match self {
+            Step::Sheet(sheet, leaf) => {
+                let [r, g, b, through] = sheet.channels().map(|v| u64::from(v.to_bits()));
+                [r | g << 32, b | through << 32, leaf.map_or(4, |leaf| 5 + u64::from(leaf))]
+            }
+            Step::Start(Composite { opacity, effect }) => {
+                let effect = match effect {
+                    Effect::Fade => 0,
+                    Effect::Mask(kind) => 1 | (kind as u64) << 8,
+                    Effect::Blend(mode) => 2 | (mode as u64) << 8,
+                };
+                [opacity.to_bits().into(), effect, 1]
+            }
+            Step::Middle => [0, 0, 2],
+            Step::End => [0, 0, 3],
+        }
     }
 }
 
 impl ZLists<'_> {
     /// The colour of a pixel with a few fragments and groups, or `None` if this is not so.
     pub fn few_in_groups(&self, head: Head, around: &Surroundings, resolver: &mut Resolver) -> Option<Mean> {
-        let reading = self.reading(head)?;
-        let mut only = [0; 1 << MOST_LEAVES];
-        let leaves = &reading.leaves[..reading.leaf_count];
-        let areas = match leaves {
-            [] => {
-                only[0] = PIXEL_AREA;
-                only
-            }
-            [leaf] => {
-                let area = leaf.map_or(0, Fragment::area);
-                (only[0], only[1]) = (PIXEL_AREA - area, area);
-                resolver.counts.one_fragment += 1;
-                only
-            }
-            _ => {
-                resolver.few.clear();
-                if !leaves.iter().flatten().all(|leaf| resolver.few.add(leaf, self.pieces)) {
-                    return None;
-                }
-                let areas = resolver.few.areas()?;
-                resolver.counts.few += 1;
-                areas
-            }
-        };
-        let mut mean = Mean::default();
         let colors = &mut resolver.known_colors;
-        let slot = colors.slot(&reading, around.background);
-        for (set, &area) in areas[..1 << leaves.len()].iter().enumerate().filter(|(_, &area)| area > 0) {
+        self.read_few(head, &mut colors.reading)?;
+        let slot = colors.slot(around.background);
+        let mut areas = [0; 1 << MOST_LEAVES];
+        let (leaves, count) = (colors.reading.leaves, colors.reading.leaf_count);
+        match leaves[..count] {
+            [] => areas[0] = PIXEL_AREA,
+            [leaf] => {
+                let area = self.fragment(leaf)?.area();
+                (areas[0], areas[1]) = (PIXEL_AREA - area, area);
+                resolver.counts.one_fragment += 1;
+            }
+            ref leaves => {
+                resolver.few.clear();
+                for &leaf in leaves {
+                    if !resolver.few.add(self.fragment(leaf)?, self.pieces) {
+                        return None;
+                    }
+                }
+                areas = resolver.few.areas()?;
+                resolver.counts.few += 1;
+            }
+        }
+        let mut mean = Mean::default();
+        for (set, &area) in areas[..1 << count].iter().enumerate().filter(|(_, &area)| area > 0) {
             mean.add(colors.color(slot, set), area, around.linear);
         }
         Some(mean)
     }
 
-    fn reading(&self, head: Head) -> Option<Reading<'_>> {
-        let (leaves, steps) = ([None; MOST_LEAVES], [Step::Middle; MOST_STEPS]);
-        let mut reading = Reading { steps, count: 0, leaves, leaf_count: 0, hash: 0 };
+    fn fragment(&self, node: u32) -> Option<&Fragment> {
+        match self.nodes.get(node as usize)? {
+            Node::Leaf(fragment) => Some(fragment),
+            _ => None,
+        }
+    }
+
+    /// `None` if the list is too long, or holds something else.
+    fn read_few(&self, head: Head, reading: &mut Reading) -> Option<()> {
+        reading.clear();
         if head.front != Sheet::CLEAR {
             reading.push(Step::Sheet(head.front, None))?;
         }
@@ -139,9 +176,9 @@ impl ZLists<'_> {
             next = entry.next;
             let step = match entry.kind {
                 Kind::Sheet(sheet) if entry.part == WHOLE => Step::Sheet(sheet, None),
-                Kind::Sheet(_) => {
-                    let (fragment, sheet) = self.leaf(entry)?;
-                    Step::Sheet(sheet, Some(reading.leaf(fragment, self.pieces)?))
+                Kind::Sheet(sheet) => {
+                    let fragment = self.fragment(entry.part)?;
+                    Step::Sheet(sheet, Some(reading.leaf(entry.part, fragment, self)?))
                 }
                 Kind::Gradient(_) => return None,
                 Kind::GroupStart(composite) => Step::Start(composite),
@@ -150,30 +187,37 @@ impl ZLists<'_> {
             };
             reading.push(step)?;
         }
-        Some(reading)
+        Some(())
     }
 }
 
-fn identity(fragment: &Fragment, pieces: &[Piece]) -> Option<u64> {
-    let mut borders = Borders::default();
-    borders.add(fragment, pieces);
-    borders.identity()
+/// Have two fragments of one area the same border too?
+fn is_same(a: &Fragment, b: &Fragment, pieces: &[Piece]) -> bool {
+    let identity = |fragment| {
+        let mut borders = Borders::default();
+        borders.add(fragment, pieces);
+        borders.identity()
+    };
+    identity(a).is_some_and(|a| identity(b) == Some(a))
 }
 
 impl KnownColors {
-    /// Where the list is kept from now on.
-    fn slot(&mut self, reading: &Reading, background: Sheet) -> usize {
-        if self.kept.is_empty() {
-            let (steps, colors) = ([Step::Middle; MOST_STEPS], [Sheet::CLEAR; 1 << MOST_LEAVES]);
-            self.kept = vec![Kept { steps, count: 0, background, known: 0, colors }; 1 << KEPT_BITS];
+    /// Where the list that was read is kept from now on.
+    fn slot(&mut self, background: Sheet) -> usize {
+        let KnownColors { kept, reading, .. } = self;
+        if kept.is_empty() {
+            let (keys, steps) = (reading.keys, reading.steps);
+            let colors = [Sheet::CLEAR; 1 << MOST_LEAVES];
+            *kept = vec![Kept { keys, steps, count: 0, background, known: 0, colors }; 1 << KEPT_BITS];
         }
         let slot = (reading.hash.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> (64 - KEPT_BITS)) as usize;
-        let (kept, count) = (&mut self.kept[slot], reading.count);
+        let (kept, count) = (&mut kept[slot], reading.count);
         let is_same = kept.count == count
             && kept.background.is_same(background)
-            && kept.steps[..count] == reading.steps[..count];
+            && kept.keys[..count] == reading.keys[..count];
         if !is_same {
-            (kept.steps[..count]).copy_from_slice(&reading.steps[..count]);
+            kept.keys[..count].copy_from_slice(&reading.keys[..count]);
+            kept.steps[..count].copy_from_slice(&reading.steps[..count]);
             (kept.count, kept.background, kept.known) = (count, background, 0);
         }
         slot
