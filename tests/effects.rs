@@ -339,6 +339,6 @@ fn what_is_nested_too_deep_is_named_by_the_id_around_it() {
     };
     assert!(nested(20, "").is_ok());
     let deepest = "<g style='mix-blend-mode:multiply'><path d='M0 0h9v9z'/><path d='M0 0h9v4z'/></g>";
-    let error = nested(31, deepest).expect_err("33 are too deep").to_string();
-    assert!(error.contains("within element 'inner', behind 33 drawn shapes"), "{error}");
+    let error = nested(30, deepest).expect_err("the group around them counts too: 33").to_string();
+    assert!(error.contains("within element 'inner', behind 32 drawn shapes"), "{error}");
 }
