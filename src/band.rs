@@ -9,7 +9,7 @@
 mod groups;
 
 use crate::bitmap::for_runs;
-use crate::cel::{Brush, Cel, Pixels, Rows};
+use crate::cel::{for_same, Brush, Cel, Pixels, Rows};
 use crate::clip::{ClipBand, Clipping, TakeClipped, Uniting};
 use crate::coverage::{BandPlace, Coverage, PartOf, Parts, Style};
 use crate::edges::{Bounds, EdgeList, BAND_ROWS};
@@ -17,7 +17,7 @@ use crate::methods::BandPainter;
 use crate::outlines::{BandLists, Outlines, PlacedOutline};
 use crate::pixel::resolve::Surroundings;
 use crate::polygons::Flattener;
-use crate::scene::paint::{Paint, Sheet};
+use crate::scene::paint::Paint;
 use crate::scene::{ClipId, Scene};
 use crate::tiles::TilePlan;
 use crate::zlist::Entry;
@@ -115,7 +115,7 @@ impl<C: Coverage> BandRenderer<C> {
         let place = place_of(rows);
         let style = style_of(outline);
         for (row, columns) in places(bounds, rows) {
-            let picture = (depth == 0).then_some(&mut *rows);
+            let picture = (depth == 0 && !cel.waits_in(row)).then_some(&mut *rows);
             let take = Painting { cel, row, brush: &brush, top: place.top, picture, entries };
             let mut take = Clipping { row, clip: clip.as_deref(), take };
             self.coverage.row(row, columns, place, style, &mut take);
@@ -233,15 +233,9 @@ impl<C: Coverage> BandRenderer<C> {
             }
         });
         for_runs(uniform, |from, to| {
-            // Neighbours are often the same.
-            let (mut last, mut bytes) = (Sheet::CLEAR, background);
-            for (x, pixel) in pixels[from..to].iter_mut().enumerate() {
-                let sheet = self.cels[0].sheet(row, first + from + x);
-                if !sheet.is_same(last) {
-                    (last, bytes) = (sheet, sheet.over(behind).to_rgba8());
-                }
-                *pixel = bytes;
-            }
+            for_same(self.cels[0].sheets(row, (first + from, first + to)), |a, b, sheet| {
+                pixels[from + a..from + b].fill(sheet.over(behind).to_rgba8());
+            });
         });
     }
 }

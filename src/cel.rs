@@ -13,6 +13,9 @@
 //! Promises: a finished pixel is never visited again, and no entry is kept behind an opaque solid run.
 
 mod groups;
+mod waiting;
+
+pub(crate) use groups::for_same;
 
 use crate::bitmap::{for_bits, for_runs, word_masks, Bitmap};
 use crate::coverage::Part;
@@ -85,6 +88,8 @@ pub(crate) struct Cel {
     lists: Vec<(u32, u32)>,
     /// Pixels whose z-list the last shape has ended with an opaque colour, which is not in it.
     to_resolve: Vec<Pixels>,
+    /// Blended groups that wait for what lies behind them.
+    waiting: waiting::Waiting,
 }
 
 /// Some of the 64 pixels of one word of a row.
@@ -108,6 +113,7 @@ impl Cel {
             sheets: vec![Sheet::CLEAR; width * rows],
             lists: vec![(NO_ENTRY, NO_ENTRY); width * rows],
             to_resolve: Vec::new(),
+            waiting: waiting::Waiting::default(),
         }
     }
 
@@ -117,6 +123,7 @@ impl Cel {
         self.finished.clear();
         self.touched.clear();
         self.listed.clear();
+        self.waiting.clear();
     }
 
     /// Takes for finished the pixels of those words of a row which `stands` says are in the picture already.
@@ -331,9 +338,9 @@ impl Cel {
         (self.finished.row(row)[word] & !touched, touched & !listed, listed)
     }
 
-    /// All that was painted on a uniform pixel.
-    pub fn sheet(&self, row: usize, x: usize) -> Sheet {
-        self.sheets[row * self.width + x]
+    /// All that was painted on each of the uniform pixels [from, to) of a row.
+    pub fn sheets(&self, row: usize, (from, to): (usize, usize)) -> &[Sheet] {
+        &self.sheets[row * self.width + from..row * self.width + to]
     }
 
     /// The z-list of a pixel that has one.

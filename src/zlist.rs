@@ -3,6 +3,8 @@
 //! Takes entries as [`crate::cel`] keeps them; gives the colour at once where that is easy, or else the
 //! items that [`crate::pixel::resolve`] works on.
 
+pub(crate) mod groups;
+
 use crate::coverage::Part;
 use crate::pixel::fragment::{Fragment, PIXEL_AREA};
 use crate::pixel::paint_tree::Composite;

@@ -293,3 +293,52 @@ fn absurd_effects_end_in_bounded_time() {
         render(64, 64, body);
     }
 }
+
+#[test]
+fn a_hundred_blended_groups_each_blend_with_all_that_lies_behind() {
+    let page = "<rect width='8' height='8' fill='#fafafa' style='mix-blend-mode:multiply'/>";
+    let half = page.replace("width='8'", "width='4.5'");
+    let body = format!(
+        "<rect width='8' height='8' fill='#fff'/>{}{}<rect y='6' width='8' height='2' fill='#00f'/>",
+        page.repeat(60),
+        half.repeat(40)
+    );
+    let picture = render(8, 8, &body);
+    let gray = |count: i32| 255.0 * (250.0f64 / 255.0).powi(count);
+    let pixel = |v: f64| [v.round() as u8, v.round() as u8, v.round() as u8, 255];
+    assert_pixel(&picture, (1, 1), pixel(gray(100)));
+    assert_pixel(&picture, (6, 1), pixel(gray(60)));
+    assert_pixel(&picture, (4, 1), pixel((gray(100) + gray(60)) / 2.0));
+    assert_pixel(&picture, (1, 7), [0, 0, 255, 255]);
+}
+
+#[test]
+fn what_is_painted_before_a_blended_group_is_no_backdrop_and_what_is_behind_is() {
+    let body =
+        "<rect width='8' height='8' fill='#f80'/><g opacity='.5'><rect width='8' height='8' fill='#08f'/>
+        <rect width='4' height='8' fill='#fff' style='mix-blend-mode:difference'/>
+        <rect width='8' height='4' fill='#fff' fill-opacity='.5'/></g>";
+    let picture = render(8, 8, body);
+    // In the group: #08f, where the blended one lies #ff7700, white before both; then half of it.
+    assert_pixel(&picture, (1, 6), [255, 128, 0, 255]);
+    assert_pixel(&picture, (6, 6), [128, 136, 128, 255]);
+    assert_pixel(&picture, (1, 1), [255, 162, 64, 255]);
+    assert_pixel(&picture, (6, 1), [191, 166, 128, 255]);
+}
+
+#[test]
+fn what_is_nested_too_deep_is_named_by_the_id_around_it() {
+    let nested = |count: usize, inner: &str| {
+        let group = "<g style='mix-blend-mode:multiply'><rect width='9' height='9'/>";
+        let (open, close) = (group.repeat(count), "</g>".repeat(count));
+        let svg = format!(
+            "<svg xmlns='http://www.w3.org/2000/svg' width='9' height='9'><rect width='9' height='9'/>
+            <g id='outer' opacity='.5'>{open}<g id='inner' style='mix-blend-mode:multiply'><path d='M0 0h9v9z'/>{inner}</g>{close}</g></svg>"
+        );
+        Scene::from_bytes(svg.as_bytes(), &Options::default())
+    };
+    assert!(nested(20, "").is_ok());
+    let deepest = "<g style='mix-blend-mode:multiply'><path d='M0 0h9v9z'/><path d='M0 0h9v4z'/></g>";
+    let error = nested(30, deepest).expect_err("the group around them counts too: 33").to_string();
+    assert!(error.contains("within element 'inner', behind 32 drawn shapes"), "{error}");
+}

@@ -332,7 +332,7 @@ fn shapes_that_abut_and_blend_each_for_itself_leave_no_seam() {
 
 #[test]
 fn twenty_blended_groups_are_as_exact_as_one() {
-    // More than are kept apart at once.
+    // More than the closed form takes.
     let thin = "<path d='{c}' fill='#fff' fill-opacity='.9' style='mix-blend-mode:multiply'/>";
     let blended = |c: &str| thin.replace("{c}", c).repeat(20);
     assert_exact(

@@ -7,10 +7,10 @@
 use super::{Brush, Cel};
 use crate::bitmap::for_runs;
 use crate::coverage::Part;
-use crate::pixel::paint_tree::{blended, shown, Composite, Effect};
+use crate::pixel::paint_tree::{shown, Composite, Effect};
 use crate::scene::paint::Sheet;
 use crate::zlist::{Entry, Kind, NO_ENTRY};
-use usvg::{BlendMode, MaskType};
+use usvg::MaskType;
 
 impl Cel {
     /// Makes it the cel of what a mask shows: what is finished in `parent`, or hidden by the mask, needs
@@ -42,99 +42,18 @@ impl Cel {
     /// Takes a group whose content is painted over what will lie behind it.
     pub fn take_group<P: Part>(&mut self, group: &Cel, rows: usize, entries: &mut Vec<Entry<P>>) {
         let opacity = group.opacity;
-        let mut fade = remembered(move |sheet, _| sheet.faded(opacity));
         for (row, word) in self.words(rows) {
             let (touched, listed) = (group.touched.row(row)[word], group.listed.row(row)[word]);
-            let sheet = |at: usize| fade(group.sheets[at], Sheet::CLEAR);
-            self.take_sheets((row, word), touched & !listed, sheet, entries);
+            for_runs(touched & !listed & !self.finished.row(row)[word], |a, b| {
+                let start = row * self.width + word * 64;
+                for_same(&group.sheets[start + a..start + b], |from, to, sheet| {
+                    self.take_sheet((row, word), (a + from, a + to), sheet.faded(opacity), entries);
+                });
+            });
             self.for_open((row, word), touched & listed, |cel, x| {
                 cel.append_group(x, Composite::faded(opacity), group, None, entries);
             });
         }
-    }
-
-    /// Takes a group that is blended with whatever will be painted in this cel from now on.
-    pub fn take_source<P: Part>(
-        &mut self,
-        source: &Cel,
-        mode: BlendMode,
-        rows: usize,
-        entries: &mut Vec<Entry<P>>,
-    ) {
-        let composite = Composite { opacity: source.opacity, effect: Effect::Blend(mode) };
-        for (row, word) in self.words(rows) {
-            self.for_open((row, word), source.touched.row(row)[word], |cel, x| {
-                cel.append_group(x, composite, source, None, entries);
-            });
-        }
-    }
-
-    /// Takes a blended group and all that lies behind it here; `background` is what will be put behind
-    /// that, if it is part of the backdrop. The work is done in the backdrop, which then changes places
-    /// with this cel: it costs only where the source, or something before it, is.
-    pub fn take_blended<P: Part>(
-        &mut self,
-        source: &Cel,
-        backdrop: &mut Cel,
-        mode: BlendMode,
-        background: Sheet,
-        rows: usize,
-        entries: &mut Vec<Entry<P>>,
-    ) {
-        let opacity = source.opacity;
-        let composite = Composite { opacity, effect: Effect::Blend(mode) };
-        let mut blend = remembered(|source, behind| blended(mode, source.faded(opacity), behind, background));
-        for (row, word) in self.words(rows) {
-            let (touched, behind) = (source.touched.row(row)[word], backdrop.touched.row(row)[word]);
-            let listed = touched & (source.listed.row(row)[word] | (behind & backdrop.listed.row(row)[word]));
-            let start = row * self.width + word * 64;
-            for_runs(touched & !listed, |a, b| {
-                for i in a..b {
-                    let sheet = if behind >> i & 1 != 0 { backdrop.sheets[start + i] } else { Sheet::CLEAR };
-                    backdrop.sheets[start + i] = blend(source.sheets[start + i], sheet);
-                }
-            });
-            for_runs(listed, |a, b| {
-                for x in word * 64 + a..word * 64 + b {
-                    let content = backdrop.content(row, x);
-                    backdrop.touched.row_mut(row)[word] &= !(1 << (x % 64));
-                    backdrop.start_empty_list(row, x);
-                    backdrop.append_group((row, x), composite, source, None, entries);
-                    backdrop.append_content((row, x), content, entries);
-                }
-            });
-            backdrop.touched.row_mut(row)[word] |= touched;
-            backdrop.put_behind(self, (row, word), entries);
-        }
-        backdrop.opacity = self.opacity;
-        std::mem::swap(self, backdrop);
-    }
-
-    /// Puts what this cel holds behind what `front` does, in a word.
-    fn put_behind<P: Part>(&mut self, front: &Cel, (row, word): (usize, usize), entries: &mut Vec<Entry<P>>) {
-        let before = front.touched.row(row)[word];
-        if before == 0 {
-            return;
-        }
-        let touched = self.touched.row(row)[word];
-        let listed = before & (front.listed.row(row)[word] | (touched & self.listed.row(row)[word]));
-        let start = row * self.width + word * 64;
-        for_runs(before & !listed, |a, b| {
-            for i in a..b {
-                let sheet = if touched >> i & 1 != 0 { self.sheets[start + i] } else { Sheet::CLEAR };
-                self.sheets[start + i] = front.sheets[start + i].over(sheet);
-            }
-        });
-        for_runs(listed, |a, b| {
-            for x in word * 64 + a..word * 64 + b {
-                let content = self.content(row, x);
-                self.touched.row_mut(row)[word] &= !(1 << (x % 64));
-                self.start_empty_list(row, x);
-                self.append_content((row, x), front.content(row, x), entries);
-                self.append_content((row, x), content, entries);
-            }
-        });
-        self.touched.row_mut(row)[word] |= before;
     }
 
     /// Takes a mask and what it masks.
@@ -147,12 +66,19 @@ impl Cel {
     ) {
         let opacity = content.opacity;
         let composite = Composite { opacity, effect: Effect::Mask(kind) };
-        let mut fade = remembered(move |mask, sheet| sheet.faded(opacity * shown(kind, mask)));
         for (row, word) in self.words(rows) {
             let touched = mask.touched.row(row)[word] & content.touched.row(row)[word];
             let listed = touched & (mask.listed.row(row)[word] | content.listed.row(row)[word]);
-            let sheet = |at: usize| fade(mask.sheets[at], content.sheets[at]);
-            self.take_sheets((row, word), touched & !listed, sheet, entries);
+            for_runs(touched & !listed & !self.finished.row(row)[word], |a, b| {
+                let start = row * self.width + word * 64;
+                for_same(&mask.sheets[start + a..start + b], |from, to, mask| {
+                    let opacity = opacity * shown(kind, mask);
+                    let (a, b) = (a + from, a + to);
+                    for_same(&content.sheets[start + a..start + b], |from, to, sheet| {
+                        self.take_sheet((row, word), (a + from, a + to), sheet.faded(opacity), entries);
+                    });
+                });
+            });
             self.for_open((row, word), listed, |cel, x| {
                 cel.append_group(x, composite, mask, Some(content), entries);
             });
@@ -160,7 +86,7 @@ impl Cel {
     }
 
     /// Rows and words of as many rows.
-    fn words(&self, rows: usize) -> impl Iterator<Item = (usize, usize)> {
+    pub(super) fn words(&self, rows: usize) -> impl Iterator<Item = (usize, usize)> {
         let words = self.finished.words();
         (0..rows).flat_map(move |row| (0..words).map(move |word| (row, word)))
     }
@@ -177,43 +103,29 @@ impl Cel {
         });
     }
 
-    /// Paints pixels of a word that are uniform where they come from, behind all that was painted before.
-    fn take_sheets<P: Part>(
+    /// Paints a sheet on pixels [a, b) of a word, none of them finished, behind all that was painted before.
+    fn take_sheet<P: Part>(
         &mut self,
         (row, word): (usize, usize),
-        pixels: u64,
-        mut sheet: impl FnMut(usize) -> Sheet,
+        (a, b): (usize, usize),
+        sheet: Sheet,
         entries: &mut Vec<Entry<P>>,
     ) {
-        let open = pixels & !self.finished.row(row)[word];
-        if open == 0 {
-            return;
-        }
+        let mask = (u64::MAX << a) & (u64::MAX >> (64 - b));
         let (touched, listed) = (self.touched.row(row)[word], self.listed.row(row)[word]);
         let start = row * self.width + word * 64;
-        let mut done = 0;
-        for_runs(open & !touched, |a, b| {
-            for i in a..b {
-                let behind = sheet(start + i);
-                self.sheets[start + i] = behind;
-                done |= u64::from(behind.is_opaque()) << i;
+        let mut done = if sheet.is_opaque() { mask } else { 0 };
+        for_runs(mask & !touched, |a, b| self.sheets[start + a..start + b].fill(sheet));
+        for_runs(mask & touched & !listed, |a, b| {
+            for (i, front) in self.sheets[start + a..start + b].iter_mut().enumerate() {
+                *front = front.over(sheet);
+                done |= u64::from(front.through() < super::NEGLIGIBLE) << (a + i);
             }
         });
-        self.touched.row_mut(row)[word] |= open;
-        for_runs(open & touched & !listed, |a, b| {
-            for i in a..b {
-                let all = self.sheets[start + i].over(sheet(start + i));
-                self.sheets[start + i] = all;
-                done |= u64::from(all.through() < super::NEGLIGIBLE) << i;
-            }
+        for_runs(mask & touched & listed, |a, b| {
+            (a..b).for_each(|i| self.append_whole(start + i, &Brush::flat(sheet), entries));
         });
-        for_runs(open & touched & listed, |a, b| {
-            for i in a..b {
-                let behind = sheet(start + i);
-                self.append_whole(start + i, &Brush::flat(behind), entries);
-                done |= u64::from(behind.is_opaque()) << i;
-            }
-        });
+        self.touched.row_mut(row)[word] |= mask;
         self.finished.row_mut(row)[word] |= done;
     }
 
@@ -235,20 +147,25 @@ impl Cel {
         self.append_mark((row, x), Kind::GroupEnd, entries);
     }
 
-    fn append_mark<P: Part>(&mut self, (row, x): (usize, usize), kind: Kind, entries: &mut Vec<Entry<P>>) {
+    pub(super) fn append_mark<P: Part>(
+        &mut self,
+        (row, x): (usize, usize),
+        kind: Kind,
+        entries: &mut Vec<Entry<P>>,
+    ) {
         if !self.listed.get(row, x) {
             self.start_empty_list(row, x);
         }
         self.append(row * self.width + x, Entry { next: NO_ENTRY, part: P::WHOLE, kind }, entries);
     }
 
-    fn start_empty_list(&mut self, row: usize, x: usize) {
+    pub(super) fn start_empty_list(&mut self, row: usize, x: usize) {
         self.start_list(row, x);
         self.lists[row * self.width + x] = (NO_ENTRY, NO_ENTRY);
     }
 
     /// What a pixel holds.
-    fn content(&self, row: usize, x: usize) -> Content {
+    pub(super) fn content(&self, row: usize, x: usize) -> Content {
         let pixel = row * self.width + x;
         if !self.touched.get(row, x) {
             return Content { sheet: Sheet::CLEAR, first: NO_ENTRY, last: NO_ENTRY };
@@ -258,7 +175,7 @@ impl Cel {
     }
 
     /// Appends what another pixel holds. Its entries are taken over, not copied.
-    fn append_content<P: Part>(
+    pub(super) fn append_content<P: Part>(
         &mut self,
         (row, x): (usize, usize),
         content: Content,
@@ -284,21 +201,19 @@ impl Cel {
 
 /// What a pixel holds: a sheet before a list.
 #[derive(Clone, Copy)]
-struct Content {
-    sheet: Sheet,
-    first: u32,
-    last: u32,
+pub(super) struct Content {
+    pub sheet: Sheet,
+    pub first: u32,
+    pub last: u32,
 }
 
-/// A function of two sheets that remembers its last result: neighbours are often the same.
-fn remembered(mut make: impl FnMut(Sheet, Sheet) -> Sheet) -> impl FnMut(Sheet, Sheet) -> Sheet {
-    let mut last = None;
-    move |one, other| match last {
-        Some((a, b, made)) if one.is_same(a) && other.is_same(b) => made,
-        _ => {
-            let made = make(one, other);
-            last = Some((one, other, made));
-            made
-        }
+/// Calls `take` with each run [from, to) of neighbours that are the same, and what they are.
+#[inline(always)]
+pub(crate) fn for_same(sheets: &[Sheet], mut take: impl FnMut(usize, usize, Sheet)) {
+    let mut from = 0;
+    while let Some(&sheet) = sheets.get(from) {
+        let same = sheets[from + 1..].iter().take_while(|other| other.is_same(sheet)).count();
+        take(from, from + 1 + same, sheet);
+        from += 1 + same;
     }
 }

@@ -71,6 +71,7 @@ impl Coverage for Exact {
         self.pieces.clear();
         self.nodes.0.clear();
         self.resolver.has_clips = !picture.scene.clips.is_empty();
+        self.resolver.has_groups = picture.scene.groups.len() > 1;
     }
 
     fn parts(&mut self) -> &mut Nodes {
@@ -105,7 +106,11 @@ impl Coverage for Exact {
     ) -> [u8; 4] {
         let lists = ZLists { entries, nodes: &self.nodes.0, pieces: &self.pieces };
         let mean = lists.resolve_simply(head, around, &mut self.resolver);
-        let mean = mean.unwrap_or_else(|| {
+        let in_groups = || match self.resolver.has_groups {
+            true => lists.few_in_groups(head, around, &mut self.resolver),
+            false => None,
+        };
+        let mean = mean.or_else(in_groups).unwrap_or_else(|| {
             lists.read(head, &mut self.resolver);
             self.resolver.resolve(x, y, &self.pieces, around)
         });

@@ -14,6 +14,7 @@ use crate::scene::paint::Sheet;
 use crate::scene::shader::{Shader, Spot};
 use crate::scene::FillRule;
 use crate::strips::Piece;
+use crate::zlist::groups::KnownColors;
 use crate::zlist::{Borders, ZLists};
 use kurbo::Point;
 use std::cell::RefCell;
@@ -75,6 +76,9 @@ pub(crate) struct Resolver {
     tree: RefCell<PaintTree>,
     /// Does the scene have clips?
     pub has_clips: bool,
+    /// Does it have groups?
+    pub has_groups: bool,
+    pub known_colors: KnownColors,
     set: PieceSet,
     pub few: Few,
     boundary: Boundary,

@@ -94,6 +94,10 @@ pub(super) struct Walk {
     nesting: usize,
     /// Contents of rasters so far.
     contents: usize,
+    /// Shapes drawn before the walk, in the drawings around it.
+    before: usize,
+    /// The id nearest around the walk.
+    around: String,
     /// The last group's id: usvg puts an image's own on a group around it.
     last_id: String,
 }
@@ -114,6 +118,8 @@ impl Default for Walk {
             images: HashMap::new(),
             nesting: 0,
             contents: 0,
+            before: 0,
+            around: String::new(),
             last_id: String::new(),
         }
     }
@@ -257,7 +263,7 @@ impl Walk {
     fn content(&mut self, group: &usvg::Group) -> Result<Scene, Error> {
         if self.nesting == DEEPEST_RASTER {
             return Err(Error::Limit(format!(
-                "filters, masks, blended groups and patterns are nested more than {DEEPEST_RASTER} deep at {} (flatten them)",
+                "filters, masks, blended groups and patterns are nested more than {DEEPEST_RASTER} deep at {} (take out groups within groups that have the same effect)",
                 self.name(group.id())
             )));
         }
@@ -271,6 +277,8 @@ impl Walk {
         let mut walk = Walk { nesting: self.nesting + 1, contents: self.contents, ..Walk::default() };
         walk.warnings = std::mem::take(&mut self.warnings);
         walk.images = std::mem::take(&mut self.images);
+        walk.before = self.before + self.shapes.len();
+        walk.around = if group.id().is_empty() { self.around.clone() } else { group.id().to_string() };
         let place = Place { transform: Affine::IDENTITY, clip: None, group: 0, depth: 0 };
         let done = group.children().iter().try_for_each(|child| walk.node(child, place));
         self.warnings = std::mem::take(&mut walk.warnings);
@@ -420,7 +428,17 @@ impl Walk {
     /// What messages call the element where the walk stands.
     fn name(&self, id: &str) -> String {
         match id {
-            "" => format!("an element without id, behind {} drawn shapes", self.shapes.len()),
+            "" => {
+                let before = self.before + self.shapes.len();
+                match &self.around[..] {
+                    "" => format!("an element without id, behind {before} drawn shapes"),
+                    around => {
+                        format!(
+                            "an element without id within element '{around}', behind {before} drawn shapes"
+                        )
+                    }
+                }
+            }
             _ => format!("element '{id}'"),
         }
     }

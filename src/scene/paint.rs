@@ -53,13 +53,14 @@ impl Sheet {
         Sheet { channels: std::array::from_fn(channel) }
     }
 
+    /// Bit by bit.
     #[inline]
     pub fn is_same(self, other: Sheet) -> bool {
-        let (a, b) = (self.channels(), other.channels());
-        (a[0] == b[0]) & (a[1] == b[1]) & (a[2] == b[2]) & (a[3] == b[3])
+        self.channels.map(f32::to_bits) == other.channels.map(f32::to_bits)
     }
 
     /// This sheet at less opacity.
+    #[inline]
     pub fn faded(self, opacity: f32) -> Sheet {
         let [r, g, b, through] = self.channels;
         Sheet { channels: [r * opacity, g * opacity, b * opacity, 1.0 - opacity * (1.0 - through)] }

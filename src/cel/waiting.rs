@@ -1,0 +1,204 @@
+//! Blended groups that wait for their backdrops: takes a group that is complete, keeps what it has on each
+//! pixel, with what was painted there before it, until all that lies behind it in the group around it has
+//! been painted; then puts the three together.
+//!
+//! A pixel on which a source waits becomes new: what is painted there next is the source's backdrop. Sources
+//! wait in runs of pixels that are the same, so that they take room, and blending takes time, by what is
+//! visible of them.
+
+use super::groups::{for_same, Content};
+use super::Cel;
+use crate::bitmap::{for_runs, word_masks};
+use crate::coverage::Part;
+use crate::pixel::paint_tree::{blended, Composite, Effect};
+use crate::scene::paint::Sheet;
+use crate::zlist::{Entry, Kind, NO_ENTRY};
+use usvg::BlendMode;
+
+/// Sources that wait, the one at the front first.
+#[derive(Default)]
+pub(super) struct Waiting {
+    sources: Vec<Source>,
+    runs: Vec<Run>,
+    pixels: Vec<Pixel>,
+    /// A bit for each row in which a source waits.
+    rows: u64,
+}
+
+/// A source: its runs and pixels go from these to the next one's.
+struct Source {
+    mode: BlendMode,
+    opacity: f32,
+    first_run: usize,
+    first_pixel: usize,
+}
+
+/// Pixels [from, to) of a row, uniform and the same.
+struct Run {
+    row: usize,
+    from: usize,
+    to: usize,
+    /// What was painted before the source.
+    before: Sheet,
+    /// The source, with its opacity.
+    source: Sheet,
+}
+
+/// A pixel with a z-list.
+struct Pixel {
+    at: (usize, usize),
+    before: Content,
+    source: Content,
+}
+
+impl Waiting {
+    pub fn clear(&mut self) {
+        self.sources.clear();
+        self.runs.clear();
+        self.pixels.clear();
+        self.rows = 0;
+    }
+
+    /// Adds a run to the last source's, or goes on with the last run.
+    fn push_run(&mut self, run: Run) {
+        let first = self.sources.last().map_or(0, |source| source.first_run);
+        if let Some(last) = self.runs[first..].last_mut() {
+            let follows = last.row == run.row && last.to == run.from;
+            if follows && last.source.is_same(run.source) && last.before.is_same(run.before) {
+                last.to = run.to;
+                return;
+            }
+        }
+        self.runs.push(run);
+    }
+}
+
+impl Cel {
+    /// Does a source wait in this row, so that nothing painted here is what is seen in the end?
+    #[inline]
+    pub fn waits_in(&self, row: usize) -> bool {
+        self.waiting.rows >> row & 1 != 0
+    }
+
+    /// Lets a group that is blended with whatever will be painted in this cel wait for it.
+    pub fn suspend(&mut self, group: &Cel, mode: BlendMode, rows: usize) {
+        let Waiting { runs, pixels, .. } = &self.waiting;
+        let (opacity, first_run, first_pixel) = (group.opacity, runs.len(), pixels.len());
+        self.waiting.sources.push(Source { mode, opacity, first_run, first_pixel });
+        for (row, word) in self.words(rows) {
+            let open = group.touched.row(row)[word] & !self.finished.row(row)[word];
+            if open == 0 {
+                continue;
+            }
+            let (touched, listed) = (self.touched.row(row)[word], self.listed.row(row)[word]);
+            let with_lists = open & (group.listed.row(row)[word] | touched & listed);
+            self.suspend_runs(group, (row, word), open & !with_lists);
+            for_runs(with_lists, |a, b| {
+                for x in word * 64 + a..word * 64 + b {
+                    let (before, source) = (self.content(row, x), group.content(row, x));
+                    self.waiting.pixels.push(Pixel { at: (row, x), before, source });
+                }
+            });
+            self.touched.row_mut(row)[word] &= !open;
+            self.listed.row_mut(row)[word] &= !open;
+            self.waiting.rows |= 1 << row;
+        }
+    }
+
+    /// The same for pixels of a word that are uniform in both cels.
+    fn suspend_runs(&mut self, group: &Cel, (row, word): (usize, usize), pixels: u64) {
+        let touched = self.touched.row(row)[word];
+        let start = row * self.width + word * 64;
+        let Cel { waiting, sheets, .. } = self;
+        let mut push = |from: usize, to: usize, before: Sheet, source: Sheet| {
+            let source = source.faded(group.opacity);
+            waiting.push_run(Run { row, from: word * 64 + from, to: word * 64 + to, before, source });
+        };
+        for_runs(pixels & !touched, |a, b| {
+            for_same(&group.sheets[start + a..start + b], |from, to, source| {
+                push(a + from, a + to, Sheet::CLEAR, source);
+            });
+        });
+        for_runs(pixels & touched, |a, b| {
+            for_same(&group.sheets[start + a..start + b], |from, to, source| {
+                let (a, b) = (a + from, a + to);
+                for_same(&sheets[start + a..start + b], |from, to, before| {
+                    push(a + from, a + to, before, source);
+                });
+            });
+        });
+    }
+
+    /// Blends all that wait with what lies behind them, which is complete; `background` is what will be put
+    /// behind that, if it is part of the backdrop.
+    pub fn resume<P: Part>(&mut self, background: Sheet, entries: &mut Vec<Entry<P>>) {
+        let mut waiting = std::mem::take(&mut self.waiting);
+        while let Some(source) = waiting.sources.pop() {
+            for run in waiting.runs.drain(source.first_run..) {
+                self.resume_run(run, source.mode, background, entries);
+            }
+            let composite = Composite { opacity: source.opacity, effect: Effect::Blend(source.mode) };
+            for Pixel { at, before, source } in waiting.pixels.drain(source.first_pixel..) {
+                self.resume_list(at, before, (composite, source), entries);
+            }
+        }
+        waiting.rows = 0;
+        self.waiting = waiting;
+    }
+
+    fn resume_run<P: Part>(
+        &mut self,
+        Run { row, from, to, before, source }: Run,
+        mode: BlendMode,
+        background: Sheet,
+        entries: &mut Vec<Entry<P>>,
+    ) {
+        let blend = |behind: Sheet| before.over(blended(mode, source, behind, background));
+        // Where there is nothing behind.
+        let mut alone = None;
+        for (word, mask) in word_masks(from, to) {
+            let touched = mask & self.touched.row(row)[word];
+            let listed = touched & self.listed.row(row)[word];
+            let start = row * self.width + word * 64;
+            if touched != mask {
+                let sheet = *alone.get_or_insert_with(|| blend(Sheet::CLEAR));
+                for_runs(mask & !touched, |a, b| self.sheets[start + a..start + b].fill(sheet));
+            }
+            for_runs(touched & !listed, |a, b| {
+                let sheets = &mut self.sheets[start + a..start + b];
+                let mut from = 0;
+                while let Some(&behind) = sheets.get(from) {
+                    let same = sheets[from..].iter().take_while(|other| other.is_same(behind)).count();
+                    sheets[from..from + same].fill(blend(behind));
+                    from += same;
+                }
+            });
+            self.touched.row_mut(row)[word] |= mask;
+            for_runs(listed, |a, b| {
+                for x in word * 64 + a..word * 64 + b {
+                    let part = |sheet| Content { sheet, first: NO_ENTRY, last: NO_ENTRY };
+                    let composite = Composite { opacity: 1.0, effect: Effect::Blend(mode) };
+                    self.resume_list((row, x), part(before), (composite, part(source)), entries);
+                }
+            });
+        }
+    }
+
+    /// Makes the list of a pixel: what was painted before, the source, what lies behind.
+    fn resume_list<P: Part>(
+        &mut self,
+        (row, x): (usize, usize),
+        before: Content,
+        (composite, source): (Composite, Content),
+        entries: &mut Vec<Entry<P>>,
+    ) {
+        let behind = self.content(row, x);
+        self.touched.row_mut(row)[x / 64] &= !(1 << (x % 64));
+        self.start_empty_list(row, x);
+        self.append_content((row, x), before, entries);
+        self.append_mark((row, x), Kind::GroupStart(composite), entries);
+        self.append_content((row, x), source, entries);
+        self.append_mark((row, x), Kind::GroupEnd, entries);
+        self.append_content((row, x), behind, entries);
+    }
+}
