@@ -93,7 +93,7 @@ pub(crate) fn drawn(image: &Image, to_pixels: Affine, rect: IntRect, nearest: bo
             image.pixel(at.x.max(0.0).min(x) as usize, at.y.max(0.0).min(y) as usize)
         });
     }
-    match averaged::Scan::new(back, rect) {
+    match averaged::Scan::new(back, rect, image.rect) {
         Some(scan) if scan.is_straight() || scan.averages() => averaged::drawn(image, &scan, rect),
         _ => sampled(back, rect, |at| between(image, at)),
     }

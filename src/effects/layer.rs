@@ -403,7 +403,7 @@ pub(crate) fn between(x: f64, y: f64, sample: impl Fn(i64, i64) -> Pixel) -> Pix
 /// The whole number at or below, without the call that `f64::floor` is on baseline processors; NaN is 0, and
 /// numbers end at 2^62 either way.
 #[inline]
-pub(crate) fn floor(x: f64) -> i64 {
+fn floor(x: f64) -> i64 {
     const FAR: f64 = (1i64 << 62) as f64;
     let whole = x.clamp(-FAR, FAR) as i64;
     whole - i64::from(whole as f64 > x)

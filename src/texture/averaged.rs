@@ -12,16 +12,17 @@
 //! Where an image lies on its side, strips are rows of the layer.
 
 use super::Image;
-use crate::effects::layer::{floor, IntRect, Layer, Pixel, Space, CLEAR};
+use crate::effects::layer::{IntRect, Layer, Pixel, Space, CLEAR};
 use kurbo::Affine;
+use std::ops::Range;
 
 /// Where the strips and pixels of a layer lie in an image: pixel j of strip i has its middle in row
 /// `top + across_strips * i + along * j`.
 pub(super) struct Scan {
     /// Are strips rows of the layer?
     turned: bool,
-    /// Strips beside one another in a pixel.
-    parts: usize,
+    /// Strips beside one another in a pixel: two to the power of this.
+    parts_log2: u32,
     strips: usize,
     /// Pixels of a strip.
     pixels: usize,
@@ -41,8 +42,9 @@ pub(super) struct Scan {
 }
 
 impl Scan {
-    /// Over the pixels of a rectangle; `back` leads from them to the image. `None` where numbers end.
-    pub fn new(back: Affine, rect: IntRect) -> Option<Scan> {
+    /// Over the pixels of a rectangle; `back` leads from them to an image over another. `None` where
+    /// numbers end: one is millions of times as large as the other, or as far away.
+    pub fn new(back: Affine, rect: IntRect, image: IntRect) -> Option<Scan> {
         let [a, b, c, d, e, f] = (back * Affine::translate(rect.to_rect().origin().to_vec2())).as_coeffs();
         let turned = b.abs() > d.abs();
         let (a, b, c, d) = if turned { (c, d, a, b) } else { (a, b, c, d) };
@@ -52,15 +54,15 @@ impl Scan {
         let slant = c / d;
         let step = a - b * slant;
         // Strips no narrower than a texel; more of them, the more askew the parallelograms are.
-        let parts = match d.abs() >= 1.0 {
-            true => (MOST_PARTS * b / d).abs().ceil().min(step.abs().floor()).max(1.0),
-            false => 1.0,
-        };
+        let askew = (MOST_PARTS * b / d).abs();
+        let halvings = [1.0, 2.0].iter().take_while(|&&parts| askew > parts && step.abs() >= 2.0 * parts);
+        let parts_log2 = if d.abs() >= 1.0 { halvings.count() as u32 } else { 0 };
+        let parts = f64::from(1 << parts_log2);
         let (step, b) = (step / parts, b / parts);
         let scan = Scan {
             turned,
-            parts: parts as usize,
-            strips: strips * parts as usize,
+            parts_log2,
+            strips: strips << parts_log2,
             pixels,
             step,
             slant,
@@ -73,13 +75,21 @@ impl Scan {
             height: d.abs().max(1.0),
             margin,
         };
-        let numbers = [scan.step, scan.slant, scan.start, scan.along, scan.top, scan.margin];
-        (d != 0.0 && numbers.iter().all(|v| v.is_finite())).then_some(scan)
+        let numbers = [
+            scan.start,
+            scan.step * scan.strips as f64,
+            scan.slant * image.height() as f64,
+            scan.top,
+            scan.across_strips * scan.strips as f64,
+            scan.along * scan.pixels as f64,
+            scan.margin,
+        ];
+        numbers.iter().all(|v| v.abs() < LARGEST).then_some(scan)
     }
 
     /// Pixels from one strip's to the same strip's next in a layer.
     fn columns(&self) -> usize {
-        self.strips / self.parts
+        self.strips >> self.parts_log2
     }
 
     /// Do the pixels' and the image's sides have the same directions?
@@ -93,7 +103,7 @@ impl Scan {
     }
 
     /// The rows of texels that the layer shows.
-    fn rows(&self, height: usize) -> std::ops::Range<usize> {
+    fn rows(&self, height: usize) -> Range<usize> {
         let ends = [0.0, self.across_strips * (self.strips - 1) as f64];
         let far = self.along * (self.pixels - 1) as f64;
         let ys = ends.iter().flat_map(|&y| [self.top + y, self.top + y + far]);
@@ -104,7 +114,7 @@ impl Scan {
     }
 
     /// The strips that meet the image in a row, or lie just beside it.
-    fn strips_in(&self, row: usize, width: usize) -> std::ops::Range<usize> {
+    fn strips_in(&self, row: usize, width: usize) -> Range<usize> {
         let middle = self.start + self.slant * (row as f64 + 0.5);
         let strip = |x: f64| (x - middle) / self.step;
         let (one, other) = (strip(-self.margin), strip(width as f64 + self.margin));
@@ -114,19 +124,24 @@ impl Scan {
     }
 
     /// What a row of texels has of each of these strips.
-    fn spans(&self, row: usize, strips: std::ops::Range<usize>, texels: usize, spans: &mut Vec<Span>) {
+    fn spans(&self, row: usize, strips: Range<usize>, texels: usize, spans: &mut Vec<Span>) {
         let middle = self.start + self.slant * (row as f64 + 0.5);
+        let (step, width) = (fixed(self.step), fixed(self.width));
+        let texels = (texels as i64) << FRACTION_BITS;
+        let full = (1.0 / self.width) as f32;
+        let mut from = fixed(middle + self.step * strips.start as f64 - 0.5 * self.width);
         spans.clear();
-        spans.extend(strips.map(|strip| {
-            let at = middle + self.step * strip as f64;
-            let (from, to) = extent(at, self.width, texels as f64);
-            let (first, last) = (from as u32, to as u32);
+        spans.extend(strips.map(|_| {
+            // At least one texel, so that the image's ends go on.
+            let start = from.max(0).min(texels - ONE);
+            let end = (from + width).max(start + ONE).min(texels);
+            from += step;
             Span {
-                first,
-                last,
-                before: (from - f64::from(first)) as f32,
-                beyond: (to - f64::from(last)) as f32,
-                share: 1.0 / (to - from) as f32,
+                first: whole(start) as u32,
+                last: whole(end) as u32,
+                before: fraction(start),
+                beyond: fraction(end),
+                share: if end - start == width { full } else { 1.0 / ((end - start) as f32 / ONE as f32) },
             }
         }));
     }
@@ -158,19 +173,33 @@ impl Scan {
     }
 }
 
+/// Numbers of texels and pixels with a fraction: sums of them are exact, and parts need no conversion.
+const FRACTION_BITS: u32 = 32;
+const ONE: i64 = 1 << FRACTION_BITS;
+/// Numbers that leave room for sums of a few.
+const LARGEST: f64 = (1 << 28) as f64;
+
+fn fixed(v: f64) -> i64 {
+    (v * ONE as f64) as i64
+}
+
+fn whole(v: i64) -> i64 {
+    v >> FRACTION_BITS
+}
+
+fn fraction(v: i64) -> f32 {
+    (v & (ONE - 1)) as f32 / ONE as f32
+}
+
 /// Strips in a pixel at 45 degrees.
 const MOST_PARTS: f64 = 4.0;
 
 /// From where to where a footprint around a place sees an image of some length: at least one texel, so
-/// that the image's end goes on.
+/// that the image's ends go on.
 #[inline]
 fn extent(middle: f64, width: f64, length: f64) -> (f64, f64) {
-    let (from, to) = (middle - 0.5 * width, middle + 0.5 * width);
-    if from >= 0.0 && to <= length {
-        return (from, to);
-    }
-    let from = from.max(0.0).min(length - 1.0);
-    (from, to.max(from + 1.0).min(length))
+    let from = (middle - 0.5 * width).max(0.0).min(length - 1.0);
+    (from, (middle + 0.5 * width).max(from + 1.0).min(length))
 }
 
 /// A part of a row of texels.
@@ -207,8 +236,9 @@ fn averaged(
     let mut layer = Layer::clear(rect, Space::Srgb);
     let mut on_its_side = vec![CLEAR; if scan.turned { rect.width() * rect.height() } else { 0 }];
     let pixels = if scan.turned { &mut on_its_side[..] } else { layer.pixels_mut() };
-    let (mut sums, mut spans, mut means) = (Vec::new(), Vec::new(), vec![CLEAR; scan.strips]);
-    let mut piles = Piles::new(scan);
+    let mut sums = vec![[0u32; 4]; width + 2];
+    let (mut spans, mut means) = (Vec::new(), vec![CLEAR; scan.strips]);
+    let mut piles = (scan.across_strips != 0.0 && scan.along.abs() >= 1.0).then(|| Piles::new(scan));
     for row in scan.rows(height) {
         let strips = scan.strips_in(row, width);
         if strips.is_empty() {
@@ -219,19 +249,25 @@ fn averaged(
         }
         let means = &mut means[..strips.len()];
         strip_means(image.row(row), &weighted, unit, &spans, &mut sums, means);
-        if scan.across_strips == 0.0 {
+        if let Some(piles) = &mut piles {
+            piles.add(scan, row, strips.clone(), means, pixels);
+            if row == 0 {
+                piles.add_above(scan, strips.clone(), means, pixels);
+            }
+            if row + 1 == height {
+                piles.add_below(scan, height, strips, means, pixels);
+            }
+        } else if scan.across_strips == 0.0 {
             scan.shares(0, row, height, |pixel, share| {
                 let pixels = &mut pixels[pixel * scan.strips..][strips.clone()];
                 pixels.iter_mut().zip(&*means).for_each(|(pixel, mean)| add(pixel, mean, share));
             });
-        } else if scan.along.abs() < 1.0 {
+        } else {
             for (strip, mean) in strips.zip(&*means) {
                 scan.shares(strip, row, height, |pixel, share| {
                     add(&mut pixels[pixel * scan.strips + strip], mean, share);
                 });
             }
-        } else {
-            piles.add(scan, (row, height), strips.zip(&*means), pixels);
         }
     }
     bounded(pixels, image.is_opaque());
@@ -247,8 +283,13 @@ fn averaged(
 
 /// Of each strip, what its present pixel has of the rows so far, where rows are no higher than pixels.
 struct Piles {
-    /// Pixels of a strip that a row is high.
-    row_height: f64,
+    /// The upper edge of the first row in the first strip, in pixels from the strip's upper end; and how
+    /// much farther it is in the next strip, and in the next row.
+    start: i64,
+    step: i64,
+    row_height: i64,
+    /// Is a strip's upper end its last pixel?
+    upside_down: bool,
     piles: Vec<Pile>,
 }
 
@@ -259,86 +300,136 @@ struct Pile {
     height: f32,
 }
 
-const NO_PILE: Pile = Pile { sum: CLEAR, height: 0.0 };
-
 impl Piles {
     fn new(scan: &Scan) -> Piles {
-        Piles { row_height: 1.0 / scan.along.abs(), piles: vec![NO_PILE; scan.strips] }
+        let upside_down = scan.along < 0.0;
+        let first = if upside_down { scan.top + scan.along * (scan.pixels - 1) as f64 } else { scan.top };
+        let row_height = 1.0 / scan.along.abs();
+        Piles {
+            start: fixed(0.5 - first * row_height),
+            step: fixed(-scan.across_strips * row_height),
+            row_height: fixed(row_height),
+            upside_down,
+            piles: vec![Pile { sum: CLEAR, height: 0.0 }; scan.strips],
+        }
     }
 
-    /// Adds what strips have of a row of an image so high.
-    fn add<'a>(
-        &mut self,
+    /// Where the upper edge of a row is in a strip.
+    fn top(&self, row: usize, strip: usize) -> i64 {
+        self.start + self.row_height * row as i64 + self.step * strip as i64
+    }
+
+    /// Adds what strips have of a row.
+    fn add(&mut self, scan: &Scan, row: usize, strips: Range<usize>, means: &[Pixel], pixels: &mut [Pixel]) {
+        let target = self.target(scan);
+        let mut top = self.top(row, strips.start);
+        let piles = &mut self.piles[strips.clone()];
+        for ((strip, mean), pile) in strips.zip(means).zip(piles) {
+            let bottom = top + self.row_height;
+            let pixel = whole(top);
+            if whole(bottom) == pixel {
+                pile.add(mean, self.row_height);
+            } else {
+                let end = (pixel + 1) << FRACTION_BITS;
+                pile.add(mean, end - top);
+                target.put(pixels, strip, pixel, &pile.mean());
+                *pile = Pile { sum: CLEAR, height: 0.0 };
+                pile.add(mean, bottom - end);
+            }
+            top += self.step;
+        }
+    }
+
+    /// Adds what strips have of an image's first row, where it goes on above.
+    fn add_above(&self, scan: &Scan, strips: Range<usize>, means: &[Pixel], pixels: &mut [Pixel]) {
+        let target = self.target(scan);
+        for (strip, mean) in strips.zip(means) {
+            let pixel = whole(self.top(0, strip));
+            for above in (pixel - target.margin).max(0)..pixel.min(target.pixels) {
+                target.put(pixels, strip, above, mean);
+            }
+        }
+    }
+
+    /// Adds what is left when the last row of an image so high is done, and what strips have of the row
+    /// where it goes on below.
+    fn add_below(
+        &self,
         scan: &Scan,
-        (row, height): (usize, usize),
-        strips: impl Iterator<Item = (usize, &'a Pixel)>,
+        height: usize,
+        strips: Range<usize>,
+        means: &[Pixel],
         pixels: &mut [Pixel],
     ) {
-        // Down the rows, so from a strip's last pixel to its first where it is upside down.
-        let is_upright = scan.along > 0.0;
-        let last = scan.pixels as i64 - 1;
-        let part = 1.0 / scan.parts as f32;
-        let mut put = |strip: usize, pixel: i64, sum: &Pixel, share: f32| {
-            if (0..=last).contains(&pixel) {
-                let pixel = if is_upright { pixel } else { last - pixel } as usize;
-                add(&mut pixels[pixel * scan.columns() + strip / scan.parts], sum, share * part);
+        let target = self.target(scan);
+        for (strip, mean) in strips.zip(means) {
+            let (mut pixel, pile) = (whole(self.top(height, strip)), &self.piles[strip]);
+            if pile.height > 0.0 {
+                target.put(pixels, strip, pixel, &pile.mean());
+                pixel += 1;
             }
-        };
-        let margin = (scan.margin * self.row_height).min(1e9) as i64;
-        for (strip, mean) in strips {
-            let middle = scan.top + scan.across_strips * strip as f64;
-            let first = if is_upright { middle } else { middle + scan.along * last as f64 };
-            // Where the first pixel begins, in rows; then where the row does, in pixels.
-            let first = first - 0.5 * scan.height;
-            let (top, bottom) =
-                ((row as f64 - first) * self.row_height, ((row + 1) as f64 - first) * self.row_height);
-            let (is_first, is_last) = (row == 0, row + 1 == height);
-            if (bottom < 0.0 && !is_last) || (top > scan.pixels as f64 && !is_first) {
-                continue;
+            for below in pixel.max(0)..(pixel + target.margin).min(target.pixels) {
+                target.put(pixels, strip, below, mean);
             }
-            let (mut pixel, next) = (floor(top), floor(bottom));
-            if is_first {
-                for above in (pixel - margin).max(0)..pixel.min(last + 1) {
-                    put(strip, above, mean, 1.0);
-                }
-            }
-            let pile = &mut self.piles[strip];
-            let mut from = top;
-            while pixel < next {
-                let end = (pixel + 1) as f64;
-                pile.add(mean, (end - from) as f32);
-                put(strip, pixel, &pile.sum, 1.0 / pile.height);
-                *pile = NO_PILE;
-                (from, pixel) = (end, pixel + 1);
-            }
-            pile.add(mean, (bottom - from) as f32);
-            if is_last {
-                if pile.height > 0.0 {
-                    put(strip, pixel, &pile.sum, 1.0 / pile.height);
-                    pixel += 1;
-                }
-                for below in pixel.max(0)..(pixel + margin).min(last + 1) {
-                    put(strip, below, mean, 1.0);
-                }
-            }
+        }
+    }
+
+    fn target(&self, scan: &Scan) -> Target {
+        Target {
+            pixels: scan.pixels as i64,
+            upside_down: self.upside_down,
+            columns: scan.columns(),
+            parts_log2: scan.parts_log2,
+            part: 1.0 / (1 << scan.parts_log2) as f32,
+            margin: (scan.margin / scan.along.abs()) as i64,
+        }
+    }
+}
+
+/// The layer that piles become pixels of.
+struct Target {
+    pixels: i64,
+    upside_down: bool,
+    columns: usize,
+    parts_log2: u32,
+    /// One strip's share of a pixel.
+    part: f32,
+    /// Pixels beyond an image's edges that see it.
+    margin: i64,
+}
+
+impl Target {
+    #[inline]
+    fn put(&self, pixels: &mut [Pixel], strip: usize, pixel: i64, mean: &Pixel) {
+        if (0..self.pixels).contains(&pixel) {
+            let pixel = if self.upside_down { self.pixels - 1 - pixel } else { pixel } as usize;
+            add(&mut pixels[pixel * self.columns + (strip >> self.parts_log2)], mean, self.part);
         }
     }
 }
 
 impl Pile {
-    fn add(&mut self, mean: &Pixel, height: f32) {
+    #[inline]
+    fn add(&mut self, mean: &Pixel, height: i64) {
+        let height = height as f32;
         add(&mut self.sum, mean, height);
         self.height += height;
     }
+
+    #[inline]
+    fn mean(&self) -> Pixel {
+        let share = 1.0 / self.height;
+        self.sum.map(|v| v * share)
+    }
 }
 
-/// The mean of a row of texels over each span.
+/// The mean of a row of texels over each span; `sums` has room for two more than there are texels.
 fn strip_means(
     texels: &[[u8; 4]],
     weighted: impl Fn([u8; 4]) -> [u32; 4],
     unit: f32,
     spans: &[Span],
-    sums: &mut Vec<[u32; 4]>,
+    sums: &mut [[u32; 4]],
     means: &mut [Pixel],
 ) {
     // Spans go either way.
@@ -346,38 +437,38 @@ fn strip_means(
     let first = one.first.min(other.first) as usize;
     let end = (one.last.max(other.last) as usize + 1).min(texels.len());
     // Of each texel, the sum of those before it; one texel of nothing more, where spans may end.
-    sums.clear();
-    sums.resize(end - first + 2, [0; 4]);
+    let sums = &mut sums[..end - first + 2];
     let mut sum = [0u32; 4];
     for (&texel, after) in texels[first..end].iter().zip(&mut sums[1..]) {
         let texel = weighted(texel);
         sum = std::array::from_fn(|i| sum[i].wrapping_add(texel[i]));
         *after = sum;
     }
-    let known = sums.len() - 2;
-    sums[known + 1] = sums[known];
-    let between = |from: usize, to: usize| -> Pixel {
-        let (from, to) = (sums[from], sums[to]);
-        std::array::from_fn(|i| to[i].wrapping_sub(from[i]) as f32)
-    };
+    sums[end - first + 1] = sum;
+    let unit = 1.0 / unit;
     for (span, mean) in spans.iter().zip(means) {
         let (mut from, to) = (span.first as usize - first, span.last as usize - first);
-        let (start, end) = (between(from, from + 1), between(to, to + 1));
-        let mut whole = CLEAR;
+        let (starts, ends) = (&sums[from..from + 2], &sums[to..to + 2]);
+        let (start, end) = (difference(starts[0], starts[1]), difference(ends[0], ends[1]));
+        let mut sum: Pixel = std::array::from_fn(|i| end[i] * span.beyond - start[i] * span.before);
         while to - from > MOST_TEXELS {
-            add(&mut whole, &between(from, from + MOST_TEXELS), 1.0);
+            add(&mut sum, &difference(sums[from], sums[from + MOST_TEXELS]), 1.0);
             from += MOST_TEXELS;
         }
-        let last = between(from, to);
-        let share = span.share / unit;
-        *mean = std::array::from_fn(|i| {
-            (whole[i] + last[i] + end[i] * span.beyond - start[i] * span.before) * share
-        });
+        let last = difference(sums[from], sums[to]);
+        let share = span.share * unit;
+        *mean = std::array::from_fn(|i| (last[i] + sum[i]) * share);
     }
 }
 
-/// Texels whose sum surely is a difference of running sums, which may have overflowed.
-const MOST_TEXELS: usize = 1 << 16;
+/// Between running sums which may have overflowed since.
+#[inline]
+fn difference(from: [u32; 4], to: [u32; 4]) -> Pixel {
+    std::array::from_fn(|i| to[i].wrapping_sub(from[i]) as i32 as f32)
+}
+
+/// Texels whose sum surely is an `i32`.
+const MOST_TEXELS: usize = 1 << 15;
 
 #[inline]
 fn add(sum: &mut Pixel, pixel: &Pixel, share: f32) {

@@ -119,8 +119,8 @@ impl Surface {
             let (first, last) = (Lines::around(0, width), Lines::around(width - 1, width));
             leans[0] = lean(rows, &down, &first);
             leans[width - 1] = lean(rows, &down, &last);
-            for column in 1..width - 1 {
-                leans[column] = lean(rows, &down, &Lines::around(column, width));
+            for (column, lean_to) in leans.iter_mut().enumerate().take(width - 1).skip(1) {
+                *lean_to = lean(rows, &down, &Lines::around(column, width));
             }
         }
         Surface { rect: layer.rect(), heights, leans }
