@@ -109,7 +109,8 @@ impl Scan {
         let ys = ends.iter().flat_map(|&y| [self.top + y, self.top + y + far]);
         let (top, bottom) = ys.fold((f64::MAX, f64::MIN), |(top, bottom), y| (top.min(y), bottom.max(y)));
         let first = (top - 0.5 * self.height).max(0.0).min((height - 1) as f64) as usize;
-        let end = ((bottom + 0.5 * self.height).max(0.0) as usize).saturating_add(1);
+        // One more, as rounded pixels may end a little beyond.
+        let end = ((bottom + 0.5 * self.height).max(0.0) as usize).saturating_add(2);
         first..end.clamp(first + 1, height)
     }
 

@@ -28,7 +28,7 @@ fn ways() -> Vec<(&'static str, Affine, f64)> {
         ("down across, up along", Affine::scale_non_uniform(0.2, 1.7), 2.0),
         ("mirrored", Affine::new([-0.4, 0.0, 0.0, 0.35, 30.0, 1.0]), 0.8),
         ("turned by 30", turned(30.0, 0.4), 1.0),
-        ("turned by 45", turned(45.0, 0.4), 1.4),
+        ("turned by 45", turned(45.0, 0.4), 1.8),
         ("turned by 75", turned(75.0, 0.4), 0.5),
         ("turned by 230, a little down", turned(230.0, 0.66), 2.8),
         ("on its side", turned(90.0, 0.3), 1.1),
