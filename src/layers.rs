@@ -201,10 +201,9 @@ impl Artist<'_> {
         self.afford(rect)?;
         let mut layer = match &raster.source {
             Source::Group(group) => self.group(group, to_pixels, rect)?,
-            Source::Image { pixels, nearest } => self.log.run("image", || match whole_move(to_pixels) {
-                Some((dx, dy)) => pixels.moved_over_rect(dx, dy, rect),
-                None => texture::drawn(pixels, to_pixels, rect, *nearest),
-            }),
+            Source::Image { image, nearest } => {
+                self.log.run("image", || texture::drawn(image, to_pixels, rect, *nearest))
+            }
             Source::Tiles(tile, place) => {
                 self.log.run("pattern", || self.tiles((tile, *place), to_pixels, rect))?
             }
@@ -217,7 +216,12 @@ impl Artist<'_> {
         }
         let layer = faded(layer);
         // Only what is opaque in its source has a chance to be so here.
-        let opaque = !matches!(raster.source, Source::Group(_)) && layer.is_opaque();
+        let opaque = match &raster.source {
+            Source::Group(_) => false,
+            // What its layer has beyond it is not painted.
+            Source::Image { image, .. } => image.is_opaque() && raster.opacity >= 1.0,
+            Source::Tiles(..) => layer.is_opaque(),
+        };
         Ok(Shader::Layer { layer: Arc::new(layer), by: (0, 0), opaque })
     }
 
@@ -372,13 +376,6 @@ impl Artist<'_> {
     }
 }
 
-/// The move of a transform that moves by whole pixels and does nothing else.
-fn whole_move(transform: Affine) -> Option<(i32, i32)> {
-    let [a, b, c, d, e, f] = transform.as_coeffs();
-    let is_whole = [a, b, c, d] == [1.0, 0.0, 0.0, 1.0] && e.fract() == 0.0 && f.fract() == 0.0;
-    (is_whole && e.abs().max(f.abs()) < 1e8).then_some((e as i32, f as i32))
-}
-
 /// The pixels at the corner of `rect` after which a pattern repeats in whole pixels, as far as can be seen
 /// in the rectangle; `None` where it does not, or not within it.
 pub(crate) fn period(to_pixels: Affine, place: Rect, rect: IntRect) -> Option<IntRect> {
@@ -472,8 +469,8 @@ pub(crate) fn copied_size(place: Rect, to_pixels: Affine) -> (f64, f64) {
 /// Bilinear between the pixels of a tile that repeats.
 fn wrapped(tile: &Layer, at: Point) -> Pixel {
     between(at.x - 0.5, at.y - 0.5, |x, y| {
-        let column = (x as i64).rem_euclid(tile.rect().width() as i64);
-        let row = (y as i64).rem_euclid(tile.rect().height() as i64);
+        let column = x.rem_euclid(tile.rect().width() as i64);
+        let row = y.rem_euclid(tile.rect().height() as i64);
         tile.pixel(column as i32, row as i32)
     })
 }

@@ -191,9 +191,9 @@ impl Planner<'_> {
         self.plan.layers.push(LayerPlan { what, id, depth, width, height, passes, bytes: own });
         let made = match &raster.source {
             Source::Group(group) => self.group(group, (to_pixels, rect), number, depth + 1),
-            Source::Image { pixels, .. } => {
-                let image = pass("image", pixels.rect());
-                Made { what: vec!["image"], passes: vec![image], bytes: own, ..Made::default() }
+            Source::Image { image, .. } => {
+                let pass = pass("image", image.rect());
+                Made { what: vec!["image"], passes: vec![pass], bytes: own, ..Made::default() }
             }
             Source::Tiles(tile, place) => self.tiles((tile, *place), to_pixels, rect, depth + 1),
         };

@@ -1,190 +1,141 @@
 //! Takes an image and a transform, makes a layer: each pixel is the mean of the image over the pixel's
-//! footprint, or lies between four samples where the image is enlarged.
+//! footprint ([`averaged`]), or lies between four samples where the image is enlarged.
 //!
-//! The mean comes from a summed-area table (Crow 1984, *Summed-Area Tables for Texture Mapping*): the
-//! box around the pixel's parallelogram in the image costs four look-ups, however large it is. The
-//! table is made only for images that are made smaller.
+//! Images are kept as they are decoded, four bytes a pixel, and what is drawn of them costs no table.
 
-use crate::effects::layer::{between, IntRect, Layer, Pixel, Space, CLEAR};
+mod averaged;
+
+use crate::effects::layer::{premultiplied, IntRect, Layer, Pixel, Space};
 use kurbo::{Affine, Point};
 
-/// Draws `image`, whose pixels are unit squares from the origin on, over a rectangle. Beyond its edges
-/// the image goes on as it ends.
-pub(crate) fn drawn(image: &Layer, to_pixels: Affine, rect: IntRect, nearest: bool) -> Layer {
-    let mut layer = Layer::clear(rect, Space::Srgb);
-    if to_pixels.determinant() == 0.0 || !to_pixels.is_finite() || image.rect().is_empty() {
-        return layer;
+/// Decoded pixels, which are unit squares from the origin on: sRGB-encoded with straight alpha.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Image {
+    rect: IntRect,
+    /// Row by row from the top.
+    bytes: Vec<u8>,
+    opaque: bool,
+}
+
+impl Image {
+    /// # Panics
+    /// When there are not exactly four bytes for every pixel.
+    pub fn new(width: u32, height: u32, bytes: Vec<u8>) -> Image {
+        let rect = IntRect::new(0, 0, width, height);
+        assert_eq!(bytes.len() as u64, rect.area() * 4, "four bytes a pixel");
+        let opaque = bytes.as_chunks().0.iter().all(|&[.., alpha]: &[u8; 4]| alpha == 255);
+        Image { rect, bytes, opaque }
+    }
+
+    pub fn rect(&self) -> IntRect {
+        self.rect
+    }
+
+    pub fn bytes(&self) -> &[u8] {
+        &self.bytes
+    }
+
+    /// Has it no pixel that lets anything through?
+    pub fn is_opaque(&self) -> bool {
+        self.opaque
+    }
+
+    fn pixels(&self) -> &[[u8; 4]] {
+        self.bytes.as_chunks().0
+    }
+
+    fn row(&self, y: usize) -> &[[u8; 4]] {
+        &self.pixels()[y * self.rect.width()..][..self.rect.width()]
+    }
+
+    fn pixel(&self, x: usize, y: usize) -> Pixel {
+        premultiplied(self.pixels()[y * self.rect.width() + x].map(|v| f32::from(v) * (1.0 / 255.0)))
+    }
+
+    /// Moved by whole pixels, then cut to a rectangle; clear beyond its edges.
+    fn moved(&self, (dx, dy): (i32, i32), rect: IntRect) -> Layer {
+        let mut layer = Layer::clear(rect, Space::Srgb);
+        let (width, height) = (i64::from(self.rect.right()), i64::from(self.rect.bottom()));
+        let (left, top) = (i64::from(dx), i64::from(dy));
+        let common = IntRect::from_edges(left, top, left + width, top + height).intersect(rect);
+        for y in common.y()..common.bottom() {
+            let from = &self.row((y - dy) as usize)[(common.x() - dx) as usize..];
+            premultiply(from, layer.span_mut(y, common));
+        }
+        layer
+    }
+}
+
+fn premultiply(from: &[[u8; 4]], to: &mut [Pixel]) {
+    // Runs of one colour are the rule in drawings.
+    let (mut known, mut known_pixel) = ([0; 4], [0.0; 4]);
+    for (&bytes, pixel) in from.iter().zip(to) {
+        if bytes != known {
+            (known, known_pixel) = (bytes, premultiplied(bytes.map(|v| f32::from(v) / 255.0)));
+        }
+        *pixel = known_pixel;
+    }
+}
+
+/// Draws `image` over a rectangle, `nearest` where each of its pixels is to be a square. Up to a pixel
+/// beyond its edges the image goes on as it ends; farther out it may do so, or be clear.
+pub(crate) fn drawn(image: &Image, to_pixels: Affine, rect: IntRect, nearest: bool) -> Layer {
+    if let Some(by) = whole_move(to_pixels) {
+        return image.moved(by, rect);
     }
     let back = to_pixels.inverse();
-    let [a, b, c, d, ..] = back.as_coeffs();
-    // The box around a pixel's footprint, in the image's pixels.
-    let (width, height) = (a.abs() + c.abs(), b.abs() + d.abs());
-    let table =
-        (!nearest && width.max(height) > 1.0).then(|| SummedArea::of(image, block(image, width.min(height))));
-    for (i, pixel) in layer.pixels_mut().iter_mut().enumerate() {
-        let (column, row) = (i % rect.width(), i / rect.width());
-        let x = f64::from(rect.x()) + column as f64 + 0.5;
-        let at = back * Point::new(x, f64::from(rect.y()) + row as f64 + 0.5);
-        *pixel = match &table {
-            Some(table) => table.mean(at, width.max(1.0), height.max(1.0)),
-            None if nearest => clamped(image, at.x.floor(), at.y.floor()),
-            None => between(at.x - 0.5, at.y - 0.5, |x, y| clamped(image, x, y)),
-        };
+    if to_pixels.determinant() == 0.0 || !back.is_finite() || image.rect.is_empty() || rect.is_empty() {
+        return Layer::clear(rect, Space::Srgb);
+    }
+    if nearest {
+        return sampled(back, rect, |at| {
+            let (x, y) = last(image);
+            image.pixel(at.x.max(0.0).min(x) as usize, at.y.max(0.0).min(y) as usize)
+        });
+    }
+    match averaged::Scan::new(back, rect, image.rect) {
+        Some(scan) if scan.is_straight() || scan.averages() => averaged::drawn(image, &scan, rect),
+        _ => sampled(back, rect, |at| between(image, at)),
+    }
+}
+
+/// The move of a transform that moves by whole pixels and does nothing else.
+fn whole_move(transform: Affine) -> Option<(i32, i32)> {
+    let [a, b, c, d, e, f] = transform.as_coeffs();
+    let is_whole = [a, b, c, d] == [1.0, 0.0, 0.0, 1.0] && e.fract() == 0.0 && f.fract() == 0.0;
+    (is_whole && e.abs().max(f.abs()) < 1e8).then_some((e as i32, f as i32))
+}
+
+/// A layer of what `sample` says at each pixel's middle, in the image's coordinates.
+fn sampled(back: Affine, rect: IntRect, sample: impl Fn(Point) -> Pixel) -> Layer {
+    let mut layer = Layer::clear(rect, Space::Srgb);
+    for (row, pixels) in layer.pixels_mut().chunks_exact_mut(rect.width()).enumerate() {
+        let y = f64::from(rect.y()) + row as f64 + 0.5;
+        for (column, pixel) in pixels.iter_mut().enumerate() {
+            *pixel = sample(back * Point::new(f64::from(rect.x()) + column as f64 + 0.5, y));
+        }
     }
     layer
 }
 
-/// The image's pixel, or its nearest.
-fn clamped(image: &Layer, x: f64, y: f64) -> Pixel {
-    let last = |size: usize| (size - 1) as f64;
-    let x = x.clamp(0.0, last(image.rect().width()));
-    let y = y.clamp(0.0, last(image.rect().height()));
-    image.pixel(x as i32, y as i32)
+/// The last column and row.
+fn last(image: &Image) -> (f64, f64) {
+    ((image.rect.width() - 1) as f64, (image.rect.height() - 1) as f64)
 }
 
-/// Pixels of an image from which on its table is of blocks of pixels, if the footprint holds some.
-const LARGE: u64 = 1 << 22;
-/// Blocks along the footprint's shorter side, at least.
-const BLOCKS: f64 = 8.0;
-
-/// The side of a table's blocks: what the pixels of a large image share of a small picture's.
-fn block(image: &Layer, footprint: f64) -> usize {
-    match image.rect().area() < LARGE {
-        true => 1,
-        false => (footprint / BLOCKS).max(1.0) as usize,
-    }
-}
-
-/// Of each corner of a block of pixels, the sum of all pixels above and left of it.
-struct SummedArea {
-    width: usize,
-    height: usize,
-    /// Side of the blocks; the last ones may be cut off.
-    block: usize,
-    /// Corners in a row.
-    corners: usize,
-    sums: Vec<[f64; 4]>,
-}
-
-impl SummedArea {
-    fn of(image: &Layer, block: usize) -> SummedArea {
-        let (width, height) = (image.rect().width(), image.rect().height());
-        let corners = width.div_ceil(block) + 1;
-        let mut sums = vec![[0.0; 4]; corners];
-        for rows in image.pixels().chunks(width * block) {
-            let above = sums.len() - corners;
-            let mut columns = vec![[0.0f64; 4]; corners];
-            for pixels in rows.chunks_exact(width) {
-                for (sum, pixels) in columns[1..].iter_mut().zip(pixels.chunks(block)) {
-                    pixels.iter().for_each(|pixel| add(sum, pixel.map(f64::from)));
-                }
-            }
-            let mut row = [0.0f64; 4];
-            for (column, sum) in columns.into_iter().enumerate() {
-                add(&mut row, sum);
-                let above = sums[above + column];
-                sums.push(std::array::from_fn(|i| above[i] + row[i]));
-            }
-        }
-        SummedArea { width, height, block, corners, sums }
-    }
-
-    /// The mean over a box around a point, as far as it lies in the image.
-    fn mean(&self, at: Point, width: f64, height: f64) -> Pixel {
-        let (right_end, bottom_end) = (self.width as f64, self.height as f64);
-        // At least one pixel of the image, so that its edge goes on.
-        let left = (at.x - 0.5 * width).clamp(0.0, right_end - 1.0);
-        let top = (at.y - 0.5 * height).clamp(0.0, bottom_end - 1.0);
-        let right = (at.x + 0.5 * width).clamp(left + 1.0, right_end);
-        let bottom = (at.y + 0.5 * height).clamp(top + 1.0, bottom_end);
-        let area = (right - left) * (bottom - top);
-        if area.is_nan() || area <= 0.0 {
-            return CLEAR;
-        }
-        let (one, two) = (self.sum(left, top), self.sum(right, top));
-        let (three, four) = (self.sum(left, bottom), self.sum(right, bottom));
-        std::array::from_fn(|i| ((four[i] - two[i] - three[i] + one[i]) / area) as f32)
-    }
-
-    /// The table between its corners.
-    fn sum(&self, x: f64, y: f64) -> [f64; 4] {
-        let (column, right) = self.between(x, self.width);
-        let (row, below) = self.between(y, self.height);
-        let at = |dx: usize, dy: usize| self.sums[(row + dy) * self.corners + column + dx];
-        let (one, two, three, four) = (at(0, 0), at(1, 0), at(0, 1), at(1, 1));
-        std::array::from_fn(|i| {
-            let upper = one[i] + (two[i] - one[i]) * right;
-            let lower = three[i] + (four[i] - three[i]) * right;
-            upper + (lower - upper) * below
-        })
-    }
-
-    /// The corner before a place, and the share of the way to the next.
-    fn between(&self, at: f64, length: usize) -> (usize, f64) {
-        let corner = (at as usize).min(length - 1) / self.block;
-        let (start, end) = (corner * self.block, ((corner + 1) * self.block).min(length));
-        (corner, (at - start as f64) / (end - start) as f64)
-    }
-}
-
-fn add(sum: &mut [f64; 4], more: [f64; 4]) {
-    sum.iter_mut().zip(more).for_each(|(sum, v)| *sum += v);
+/// Bilinear between the middles of four pixels.
+fn between(image: &Image, at: Point) -> Pixel {
+    let (right_end, bottom_end) = last(image);
+    let (x, y) = ((at.x - 0.5).max(0.0).min(right_end), (at.y - 0.5).max(0.0).min(bottom_end));
+    let (left, top) = (x as usize, y as usize);
+    let (right, below) = ((x - left as f64) as f32, (y - top as f64) as f32);
+    let (next, lower) = ((left + 1).min(right_end as usize), (top + 1).min(bottom_end as usize));
+    let mix = |one: Pixel, other: Pixel, share: f32| -> Pixel {
+        std::array::from_fn(|i| one[i] + (other[i] - one[i]) * share)
+    };
+    let upper = mix(image.pixel(left, top), image.pixel(next, top), right);
+    mix(upper, mix(image.pixel(left, lower), image.pixel(next, lower), right), below)
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Columns of black and white.
-    fn columns(width: u32, height: u32) -> Layer {
-        let pixel = |i: u32| if i.is_multiple_of(2) { [255, 255, 255, 255] } else { [0, 0, 0, 255] };
-        let bytes: Vec<u8> = (0..height).flat_map(|_| (0..width).flat_map(pixel)).collect();
-        Layer::from_rgba8(IntRect::new(0, 0, width, height), &bytes)
-    }
-
-    #[test]
-    fn an_image_at_its_own_size_is_itself() {
-        let image = columns(6, 4);
-        assert_eq!(drawn(&image, Affine::IDENTITY, image.rect(), false), image);
-        assert_eq!(drawn(&image, Affine::IDENTITY, image.rect(), true), image);
-    }
-
-    #[test]
-    fn a_table_of_blocks_has_the_means_of_one_of_pixels() {
-        let pixel = |i: u32| [(i * 7 % 256) as u8, (i * 31 % 256) as u8, (i / 50) as u8, 255];
-        let bytes: Vec<u8> = (0..50 * 37).flat_map(pixel).collect();
-        let image = Layer::from_rgba8(IntRect::new(0, 0, 50, 37), &bytes);
-        let (fine, coarse) = (SummedArea::of(&image, 1), SummedArea::of(&image, 3));
-        for (x, y) in [(25.0, 18.0), (3.0, 2.0), (49.0, 36.0), (33.3, 11.7)] {
-            let (one, other) =
-                (fine.mean(Point::new(x, y), 24.0, 24.0), coarse.mean(Point::new(x, y), 24.0, 24.0));
-            for i in 0..4 {
-                assert!((one[i] - other[i]).abs() < 0.02, "at {x}, {y}: {one:?}, {other:?}");
-            }
-        }
-        assert_eq!(fine.sum(50.0, 37.0)[3], 50.0 * 37.0);
-        assert!((coarse.sum(50.0, 37.0)[3] - 50.0 * 37.0).abs() < 1e-9);
-    }
-
-    #[test]
-    fn stripes_finer_than_a_pixel_are_their_mean() {
-        let image = columns(64, 64);
-        let small = drawn(&image, Affine::scale(0.125), IntRect::new(0, 0, 8, 8), false);
-        for pixel in small.pixels() {
-            assert!((pixel[0] - 0.5).abs() < 1e-6, "{pixel:?}");
-        }
-        // Also where the footprint holds no whole number of stripes: no beat is left in the middle.
-        let odd = drawn(&image, Affine::scale(0.03), IntRect::new(0, 0, 2, 2), false);
-        assert!((odd.pixel(0, 0)[0] - 0.5).abs() < 0.02, "{:?}", odd.pixel(0, 0));
-    }
-
-    #[test]
-    fn an_enlarged_image_lies_between_its_samples_or_repeats_them() {
-        let image = columns(2, 1);
-        let smooth = drawn(&image, Affine::scale(4.0), IntRect::new(0, 0, 8, 4), false);
-        assert_eq!(smooth.pixel(0, 0)[0], 1.0);
-        assert!((smooth.pixel(3, 1)[0] - 0.625).abs() < 1e-6);
-        let jagged = drawn(&image, Affine::scale(4.0), IntRect::new(0, 0, 8, 4), true);
-        assert_eq!((jagged.pixel(3, 1)[0], jagged.pixel(4, 1)[0]), (1.0, 0.0));
-    }
-}
+mod tests;

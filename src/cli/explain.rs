@@ -221,7 +221,7 @@ impl Explanation {
             (
                 "images",
                 images,
-                "decoded once; a layer by summed areas where smaller, by four samples where larger",
+                "decoded once; a layer of means over footprints where smaller, by four samples where larger",
             ),
             ("filters", filters, filter),
             ("highlights", highlights, highlight),

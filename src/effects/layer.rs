@@ -384,19 +384,29 @@ impl Layer {
         if !(x.is_finite() && y.is_finite()) {
             return CLEAR;
         }
-        // Saturating casts: what is far off stays far off.
-        between(x, y, |x, y| self.pixel(x as i32, y as i32))
+        // What is far off stays far off.
+        const FAR: f64 = (IntRect::FARTHEST * 2) as f64;
+        between(x.clamp(-FAR, FAR), y.clamp(-FAR, FAR), |x, y| self.pixel(x as i32, y as i32))
     }
 }
 
 /// Bilinear between the four samples around a point; samples lie at whole numbers.
 #[inline]
-pub(crate) fn between(x: f64, y: f64, sample: impl Fn(f64, f64) -> Pixel) -> Pixel {
-    let (left, top) = (x.floor(), y.floor());
-    let (right, below) = ((x - left) as f32, (y - top) as f32);
-    let upper = mix(sample(left, top), sample(left + 1.0, top), right);
-    let lower = mix(sample(left, top + 1.0), sample(left + 1.0, top + 1.0), right);
+pub(crate) fn between(x: f64, y: f64, sample: impl Fn(i64, i64) -> Pixel) -> Pixel {
+    let (left, top) = (floor(x), floor(y));
+    let (right, below) = ((x - left as f64) as f32, (y - top as f64) as f32);
+    let upper = mix(sample(left, top), sample(left + 1, top), right);
+    let lower = mix(sample(left, top + 1), sample(left + 1, top + 1), right);
     mix(upper, lower, below)
+}
+
+/// The whole number at or below, without the call that `f64::floor` is on baseline processors; NaN is 0, and
+/// numbers end at 2^62 either way.
+#[inline]
+fn floor(x: f64) -> i64 {
+    const FAR: f64 = (1i64 << 62) as f64;
+    let whole = x.clamp(-FAR, FAR) as i64;
+    whole - i64::from(whole as f64 > x)
 }
 
 /// From the one (share 0) to the other (share 1).

@@ -9,8 +9,7 @@ use super::{
     Clip, ClipId, ClipMember, FillRule, Geometry, Group, GroupId, Outline, Role, Scene, Shape, StrokeStyle,
     Warning,
 };
-use crate::effects::layer::{IntRect, Layer};
-use crate::Error;
+use crate::{texture, Error};
 use kurbo::{Affine, Rect, Size};
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -24,7 +23,7 @@ const DEEPEST_RASTER: usize = 32;
 /// Filters, masks and patterns of a drawing, counted again wherever they are drawn.
 const MOST_RASTERS: usize = 1 << 16;
 
-/// Pixels of all images of a drawing: 2 GB.
+/// Pixels of all images of a drawing: 512 MB.
 const MOST_IMAGE_PIXELS: u64 = 1 << 27;
 
 /// The scene of `tree`, or of one node of it.
@@ -89,7 +88,7 @@ pub(super) struct Walk {
     /// Shapes and groups before each cut ([`super::parts`]).
     pub cuts: Vec<(usize, usize)>,
     /// Images, by their bytes.
-    images: HashMap<Arc<Vec<u8>>, Option<Arc<Layer>>>,
+    images: HashMap<Arc<Vec<u8>>, Option<Arc<texture::Image>>>,
     /// Rasters around the walk.
     nesting: usize,
     /// Contents of rasters so far.
@@ -192,12 +191,12 @@ impl Walk {
             SVG(tree) => return self.group(tree.root(), place),
             JPEG(bytes) | PNG(bytes) | GIF(bytes) | WEBP(bytes) => bytes,
         };
-        let Some(pixels) = self.decoded(bytes)? else {
+        let Some(decoded) = self.decoded(bytes)? else {
             let id = self.last_id.clone();
             self.warn("images", if image.id().is_empty() { &id } else { image.id() });
             return Ok(());
         };
-        let (width, height) = (pixels.rect().width() as f64, pixels.rect().height() as f64);
+        let (width, height) = (decoded.rect().width() as f64, decoded.rect().height() as f64);
         let bounds = Rect::new(0.0, 0.0, width, height);
         let nearest = matches!(
             image.rendering_mode(),
@@ -205,7 +204,7 @@ impl Walk {
                 | usvg::ImageRendering::CrispEdges
                 | usvg::ImageRendering::Pixelated
         );
-        let source = Source::Image { pixels, nearest };
+        let source = Source::Image { image: decoded, nearest };
         let raster = Raster { source, transform: place.transform, bounds, opacity: 1.0 };
         let geometry = Geometry::of_rect(bounds, place.transform);
         let paint = Paint::Raster(Arc::new(raster));
@@ -213,20 +212,20 @@ impl Walk {
         Ok(())
     }
 
-    /// An image's pixels, decoded once however often it is drawn; `None` when its bytes are no image, or
+    /// An image, decoded once however often it is drawn; `None` when its bytes are no image, or
     /// too large a one.
-    fn decoded(&mut self, bytes: &Arc<Vec<u8>>) -> Result<Option<Arc<Layer>>, Error> {
+    fn decoded(&mut self, bytes: &Arc<Vec<u8>>) -> Result<Option<Arc<texture::Image>>, Error> {
         if let Some(known) = self.images.get(bytes) {
             return Ok(known.clone());
         }
-        let pixels = decoded(bytes).map(Arc::new);
-        self.images.insert(bytes.clone(), pixels.clone());
-        let all: u64 = self.images.values().flatten().map(|pixels| pixels.rect().area()).sum();
+        let image = decoded(bytes).map(Arc::new);
+        self.images.insert(bytes.clone(), image.clone());
+        let all: u64 = self.images.values().flatten().map(|image| image.rect().area()).sum();
         match all > MOST_IMAGE_PIXELS {
             true => Err(Error::Limit(format!(
                 "its images have more than {MOST_IMAGE_PIXELS} pixels in all (use smaller ones)"
             ))),
-            false => Ok(pixels),
+            false => Ok(image),
         }
     }
 
@@ -472,15 +471,15 @@ fn blends_inside(group: &usvg::Group) -> bool {
     })
 }
 
-/// An image's pixels; `None` when its bytes are no image, or decoding would take more than 512 MiB.
-fn decoded(bytes: &[u8]) -> Option<Layer> {
+/// An image; `None` when its bytes are no image, or decoding would take more than 512 MiB.
+fn decoded(bytes: &[u8]) -> Option<texture::Image> {
     const MOST_BYTES: u64 = 512 << 20;
     let mut reader = image::ImageReader::new(std::io::Cursor::new(bytes)).with_guessed_format().ok()?;
     let mut limits = image::Limits::default();
     limits.max_alloc = Some(MOST_BYTES);
     reader.limits(limits);
     let pixels = reader.decode().ok()?.into_rgba8();
-    Some(Layer::from_rgba8(IntRect::new(0, 0, pixels.width(), pixels.height()), &pixels))
+    Some(texture::Image::new(pixels.width(), pixels.height(), pixels.into_raw()))
 }
 
 fn rect(rect: usvg::NonZeroRect) -> Rect {

@@ -211,9 +211,10 @@ pub(crate) fn of_raster(raster: &Raster) -> Print {
     add_rect(&mut print, raster.bounds);
     print.add(u64::from(raster.opacity.to_bits()));
     match &raster.source {
-        Source::Image { pixels, nearest } => {
+        Source::Image { image, nearest } => {
             print.add(u64::from(*nearest));
-            add_layer(&mut print, pixels);
+            print.add(image.rect().width() as u64);
+            print.add_bytes(image.bytes());
         }
         Source::Tiles(scene, place) => {
             print.add(2);

@@ -3,7 +3,7 @@
 //! ([`crate::layers`]), or groups of the scene around them ([`super::unfold`]).
 
 use super::Scene;
-use crate::effects::layer::Layer;
+use crate::texture;
 use kurbo::{Affine, Rect};
 use std::sync::Arc;
 use usvg::filter::Filter;
@@ -37,9 +37,9 @@ impl Raster {
 #[derive(Clone, Debug)]
 pub(crate) enum Source {
     Group(Box<RasterGroup>),
-    /// An image, whose pixels are unit squares from the origin on; smooth, or each sample a square.
+    /// An image, smooth or each of its pixels a square.
     Image {
-        pixels: Arc<Layer>,
+        image: Arc<texture::Image>,
         nearest: bool,
     },
     /// A tile, its rectangle in the source's coordinates, repeated over the plane.

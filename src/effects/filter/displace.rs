@@ -1,6 +1,6 @@
 //! Takes layers, moves their pixels about: feDisplacementMap and feTile.
 
-use crate::effects::layer::{straight, IntRect, Layer};
+use crate::effects::layer::{straight, IntRect, Layer, CLEAR};
 use usvg::filter::{ColorChannel, DisplacementMap};
 
 /// feDisplacementMap: each pixel comes from where the map's straight colour says, between pixels
@@ -42,12 +42,18 @@ pub(super) fn tiled(layer: &Layer, tile: IntRect) -> Layer {
     if tile.is_empty() {
         return made;
     }
-    let folded = |at: i32, start: i32, length: usize| start + (at - start).rem_euclid(length as i32);
-    let columns: Vec<i32> = (rect.x()..rect.right()).map(|x| folded(x, tile.x(), tile.width())).collect();
+    let folded = |at: i32, start: i32, length: usize| (at - start).rem_euclid(length as i32);
+    let mut line = vec![CLEAR; tile.width()];
+    let phase = folded(rect.x(), tile.x(), tile.width());
     for (row, pixels) in made.pixels_mut().chunks_exact_mut(rect.width().max(1)).enumerate() {
-        let y = folded(rect.y() + row as i32, tile.y(), tile.height());
-        for (pixel, &x) in pixels.iter_mut().zip(&columns) {
-            *pixel = layer.pixel(x, y);
+        let y = tile.y() + folded(rect.y() + row as i32, tile.y(), tile.height());
+        if (rect.y()..rect.bottom()).contains(&y) {
+            layer.row(tile.x(), y, tile.width(), |i, pixel| line[i] = pixel);
+            let (first, rest) = pixels.split_at_mut(pixels.len().min(tile.width() - phase as usize));
+            first.copy_from_slice(&line[phase as usize..][..first.len()]);
+            for pixels in rest.chunks_mut(line.len()) {
+                pixels.copy_from_slice(&line[..pixels.len()]);
+            }
         }
     }
     made

@@ -112,28 +112,17 @@ impl Surface {
     fn new(layer: &Layer, scale: f32) -> Surface {
         let heights: Vec<f32> = layer.pixels().iter().map(|p| p[3] * scale).collect();
         let (width, height) = (layer.rect().width(), layer.rect().height());
-        let leans = (0..heights.len())
-            .map(|i| {
-                let (column, row) = (i % width, i / width);
-                let (left, right) = (column.saturating_sub(1), (column + 1).min(width - 1));
-                let (top, bottom) = (row.saturating_sub(1), (row + 1).min(height - 1));
-                let at = |column: usize, row: usize| heights[row * width + column];
-                // Sobel's weights; a row or column beyond the border has none.
-                let weights = |before: bool, after: bool| {
-                    [f32::from(u8::from(before)), 2.0, f32::from(u8::from(after))]
-                };
-                let (across, down) =
-                    (weights(left < column, right > column), weights(top < row, bottom > row));
-                let dx = |y: usize| at(right, y) - at(left, y);
-                let dy = |x: usize| at(x, bottom) - at(x, top);
-                let slope_x = down[0] * dx(top) + down[1] * dx(row) + down[2] * dx(bottom);
-                let slope_y = across[0] * dy(left) + across[1] * dy(column) + across[2] * dy(right);
-                // Twice the mean slope: the specification's factors 1/4, 1/3, 1/2 and 2/3.
-                let factor =
-                    |weights: [f32; 3], span: usize| 2.0 / (weights.iter().sum::<f32>() * span.max(1) as f32);
-                [-factor(down, right - left) * slope_x, -factor(across, bottom - top) * slope_y]
-            })
-            .collect();
+        let mut leans = vec![[0.0; 2]; heights.len()];
+        for (row, leans) in leans.chunks_exact_mut(width.max(1)).enumerate() {
+            let down = Lines::around(row, height);
+            let rows = down.numbers.map(|row| &heights[row * width..][..width]);
+            let (first, last) = (Lines::around(0, width), Lines::around(width - 1, width));
+            leans[0] = lean(rows, &down, &first);
+            leans[width - 1] = lean(rows, &down, &last);
+            for (column, lean_to) in leans.iter_mut().enumerate().take(width - 1).skip(1) {
+                *lean_to = lean(rows, &down, &Lines::around(column, width));
+            }
+        }
         Surface { rect: layer.rect(), heights, leans }
     }
 
@@ -166,6 +155,42 @@ impl Surface {
         let [x, y] = self.lean(column, row);
         normalized([x, y, 1.0])
     }
+}
+
+/// A row or column, the one before and the one after it; at a border it is one of these itself.
+struct Lines {
+    numbers: [usize; 3],
+    /// Sobel's; a line beyond the border has none.
+    weights: [f32; 3],
+    /// From the first to the last.
+    span: f32,
+}
+
+impl Lines {
+    #[inline]
+    fn around(line: usize, count: usize) -> Lines {
+        let (before, after) = (line.saturating_sub(1), (line + 1).min(count - 1));
+        let weight = |other: usize| if other == line { 0.0 } else { 1.0 };
+        Lines {
+            numbers: [before, line, after],
+            weights: [weight(before), 2.0, weight(after)],
+            span: (after - before).max(1) as f32,
+        }
+    }
+}
+
+/// How much the normal leans right and down between three rows of heights and three columns.
+#[inline]
+fn lean(rows: [&[f32]; 3], down: &Lines, across: &Lines) -> [f32; 2] {
+    let [left, column, right] = across.numbers;
+    let weighted = |[before, own, after]: [f32; 3], differences: [f32; 3]| {
+        before * differences[0] + own * differences[1] + after * differences[2]
+    };
+    let slope_x = weighted(down.weights, rows.map(|row| row[right] - row[left]));
+    let slope_y = weighted(across.weights, [left, column, right].map(|at| rows[2][at] - rows[0][at]));
+    // Twice the mean slope: the specification's factors 1/4, 1/3, 1/2 and 2/3.
+    let factor = |weights: [f32; 3], span: f32| 2.0 / (weights.iter().sum::<f32>() * span);
+    [-factor(down.weights, across.span) * slope_x, -factor(across.weights, down.span) * slope_y]
 }
 
 /// A light source in pixels.
@@ -314,10 +339,9 @@ mod tests {
             0.1 + 0.7 * x as f64 / side as f64 + 0.1 * ((x + 2 * y) % 3) as f64
                 - 0.05 * y as f64 / side as f64
         };
-        let mut image = Layer::clear(IntRect::new(0, 0, side as u32, side as u32), Space::Srgb);
-        for (i, pixel) in image.pixels_mut().iter_mut().enumerate() {
-            pixel[3] = height(i % side, i / side) as f32;
-        }
+        let bytes = (0..side * side).flat_map(|i| [0, 0, 0, (255.0 * height(i % side, i / side)) as u8]);
+        let image = crate::texture::Image::new(side as u32, side as u32, bytes.collect());
+        let height = |x: usize, y: usize| f64::from(image.bytes()[(y * side + x) * 4 + 3]) / 255.0;
         let small = IntRect::new(0, 0, 8, 8);
         let heights = crate::texture::drawn(&image, Affine::scale(1.0 / TEXELS as f64), small, false);
         let surface = Surface::new(&heights, 1.0);
