@@ -10,12 +10,6 @@
 /// A row counts as a gradient if more than one in so many of its pixels differ from their neighbours.
 const GRADIENT: usize = 8;
 
-/// Filters rows, one after the other from the top.
-pub(super) struct Filter {
-    bytes_per_pixel: usize,
-    above: Vec<u8>,
-}
-
 /// A filter, by PNG's number for it.
 #[derive(Clone, Copy)]
 enum Kind {
@@ -25,41 +19,39 @@ enum Kind {
     Above = 2,
 }
 
-impl Filter {
-    /// For rows of this many bytes.
-    pub(super) fn new(bytes_per_row: usize, bytes_per_pixel: usize) -> Filter {
-        Filter { bytes_per_pixel, above: vec![0; bytes_per_row] }
-    }
-
-    /// Makes `out` the filter's number and the filtered row.
-    pub(super) fn filter(&mut self, row: &[u8], out: &mut Vec<u8>) {
-        let kind = self.best(row);
-        out.clear();
-        out.push(kind as u8);
-        match kind {
-            Kind::Left => {
-                let (first, rest) = row.split_at(self.bytes_per_pixel);
+/// Appends each of `rows`, whose pixels have N bytes, to `out`: the filter's number, then the filtered row. The first one
+/// is filtered without a look at what is above.
+pub(super) fn filter<const N: usize>(rows: &[u8], bytes_per_row: usize, out: &mut Vec<u8>) {
+    let mut above: Option<&[u8]> = None;
+    for row in rows.chunks_exact(bytes_per_row) {
+        match above {
+            Some(above) if above == row => {
+                out.push(Kind::Above as u8);
+                out.resize(out.len() + row.len(), 0);
+            }
+            Some(above) if matches!(best::<N>(row, above), Kind::Above) => {
+                out.push(Kind::Above as u8);
+                out.extend(row.iter().zip(above).map(|(x, above)| x.wrapping_sub(*above)));
+            }
+            _ => {
+                out.push(Kind::Left as u8);
+                let (first, rest) = row.split_at(N);
                 out.extend_from_slice(first);
                 out.extend(rest.iter().zip(row).map(|(x, left)| x.wrapping_sub(*left)));
             }
-            Kind::Above => out.extend(row.iter().zip(&self.above).map(|(x, above)| x.wrapping_sub(*above))),
         }
-        self.above.copy_from_slice(row);
+        above = Some(row);
     }
+}
 
-    fn best(&self, row: &[u8]) -> Kind {
-        let shifted = &row[self.bytes_per_pixel..];
-        let (across, down) = match self.bytes_per_pixel {
-            4 => (changes::<4>(shifted, row), changes::<4>(row, &self.above)),
-            _ => (changes::<3>(shifted, row), changes::<3>(row, &self.above)),
-        };
-        let pixels = row.len() / self.bytes_per_pixel;
-        let is_gradient = across.min(down) > pixels / GRADIENT;
-        if is_gradient && distance(shifted, row) < distance(row, &self.above) {
-            Kind::Left
-        } else {
-            Kind::Above
-        }
+fn best<const N: usize>(row: &[u8], above: &[u8]) -> Kind {
+    let most = row.len() / N / GRADIENT;
+    let shifted = &row[N..];
+    let is_gradient = changes::<N>(row, above) > most && changes::<N>(shifted, row) > most;
+    if is_gradient && distance(shifted, row) < distance(row, above) {
+        Kind::Left
+    } else {
+        Kind::Above
     }
 }
 
