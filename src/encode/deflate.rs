@@ -30,7 +30,9 @@ const HASH_BITS: u32 = 15;
 pub(super) struct Search {
     /// Places that are looked at for a match.
     pub depth: usize,
-    /// A match this long is taken at once; a shorter one only if none at the next byte is longer.
+    /// A shorter match is taken only if none at the next byte is longer.
+    pub lazy: usize,
+    /// A match this long ends the search.
     pub nice: usize,
 }
 
@@ -87,7 +89,7 @@ impl Deflater {
             return at + 1;
         };
         let mut from = at;
-        while length < self.search.nice {
+        while length < self.search.lazy {
             let longer = match run(data, from + 1, step) {
                 Some((run, _)) if run > length => None,
                 _ => self.find(data, from + 1, length),
@@ -446,7 +448,7 @@ mod tests {
 
     #[test]
     fn what_is_packed_comes_back_whatever_it_is_and_was_before() {
-        for search in [Search { depth: 1, nice: 8 }, Search { depth: 16, nice: 64 }] {
+        for search in [Search { depth: 1, lazy: 4, nice: 8 }, Search { depth: 16, lazy: 16, nice: 64 }] {
             let mut deflater = Deflater::new(search);
             for piece in pieces() {
                 let now = packed(&mut deflater, &piece);
@@ -458,7 +460,7 @@ mod tests {
 
     #[test]
     fn what_repeats_takes_little_and_noise_no_more_than_itself() {
-        let mut deflater = Deflater::new(Search { depth: 8, nice: 32 });
+        let mut deflater = Deflater::new(Search { depth: 8, lazy: 16, nice: 32 });
         assert!(packed(&mut deflater, &vec![0; 1_000_000]).len() < 1_100);
         assert!(packed(&mut deflater, &noise(WINDOW - 1, 256).repeat(2)).len() < WINDOW + 400);
         assert!(packed(&mut deflater, &noise(1_000_000, 256)).len() < 1_000_200);

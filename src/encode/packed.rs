@@ -34,9 +34,9 @@ impl Effort {
     /// 1.08, 1.26; 16: 1.06, 1.19; 32: 1.06, 1.18.
     fn search(self) -> Search {
         match self {
-            Effort::Fast => Search { depth: 2, nice: 32 },
-            Effort::Flat => Search { depth: 16, nice: 64 },
-            Effort::Small => Search { depth: 1024, nice: 258 },
+            Effort::Fast => Search { depth: 2, lazy: 4, nice: 32 },
+            Effort::Flat => Search { depth: 16, lazy: 16, nice: 64 },
+            Effort::Small => Search { depth: 1024, lazy: 258, nice: 258 },
         }
     }
 }
@@ -72,10 +72,10 @@ impl Packer {
         let bytes_per_pixel = if self.opaque {
             self.narrow.clear();
             self.narrow.extend(rows.as_chunks().0.iter().flat_map(|[r, g, b, _]| [*r, *g, *b]));
-            filter::<3>(&self.narrow, 3 * width, &mut self.filtered);
+            filter::<3, 48>(&self.narrow, 3 * width, &mut self.filtered);
             3
         } else {
-            filter::<4>(rows, 4 * width, &mut self.filtered);
+            filter::<4, 64>(rows, 4 * width, &mut self.filtered);
             4
         };
         let mut blocks = Vec::new();
