@@ -5,6 +5,7 @@ use super::deflate::{Deflater, Search};
 use super::filter::filter;
 use crate::edges::BAND_ROWS;
 use crate::Pixmap;
+use flate2::{Compress, Compression, FlushCompress};
 
 /// Bytes of pixels that are packed together, or fewer. Each part's first row and codes take 20 to 150 bytes more than
 /// they would in the middle of a part: half as many bytes here make flat pictures up to 1.2 times as large.
@@ -35,8 +36,8 @@ impl Effort {
     fn search(self) -> Search {
         match self {
             Effort::Fast => Search { depth: 2, lazy: 4, nice: 32 },
-            Effort::Flat => Search { depth: 16, lazy: 16, nice: 64 },
-            Effort::Small => Search { depth: 1024, lazy: 258, nice: 258 },
+            // The smallest is left to zlib.
+            Effort::Flat | Effort::Small => Search { depth: 16, lazy: 16, nice: 64 },
         }
     }
 }
@@ -53,6 +54,7 @@ pub(crate) struct Packed {
 /// Packs rows; keeps its buffers.
 pub(crate) struct Packer {
     deflater: Deflater,
+    effort: Effort,
     opaque: bool,
     filtered: Vec<u8>,
     /// Rows without alpha.
@@ -63,7 +65,7 @@ impl Packer {
     /// `opaque` leaves alpha out.
     pub fn new(effort: Effort, opaque: bool) -> Packer {
         let deflater = Deflater::new(effort.search());
-        Packer { deflater, opaque, filtered: Vec::new(), narrow: Vec::new() }
+        Packer { deflater, effort, opaque, filtered: Vec::new(), narrow: Vec::new() }
     }
 
     /// Packs whole rows of straight RGBA, `width` pixels each.
@@ -79,9 +81,21 @@ impl Packer {
             4
         };
         let mut blocks = Vec::new();
-        self.deflater.deflate(&self.filtered, bytes_per_pixel, &mut blocks);
+        match self.effort {
+            Effort::Small => deflate_by_zlib(&self.filtered, &mut blocks),
+            _ => self.deflater.deflate(&self.filtered, bytes_per_pixel, &mut blocks),
+        }
         Packed { blocks, sum: Adler::of(&self.filtered) }
     }
+}
+
+/// Does what [`Deflater::deflate`] does by zlib, as hard as that can: several times as long, and up to .85 of the size.
+fn deflate_by_zlib(data: &[u8], out: &mut Vec<u8>) {
+    let mut zlib = Compress::new(Compression::best(), false);
+    // What cannot be packed is stored, in blocks with a few bytes of their own.
+    out.reserve(data.len() + data.len() / 64 + 1024);
+    let packed = zlib.compress_vec(data, out, FlushCompress::Full);
+    assert!(packed.is_ok() && zlib.total_in() == data.len() as u64, "there is room for all");
 }
 
 /// Zlib's checksum of some bytes ([RFC 1950]), and how many they are.
