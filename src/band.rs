@@ -98,7 +98,8 @@ impl<C: Coverage> BandRenderer<C> {
             self.hidden += 1;
             return;
         }
-        let clip = shape.clip.map(|clip| self.clip(picture, band, clip, rows));
+        let spared = |clip: &ClipId| outline.bounds.is_some_and(|b| picture.outlines.spares(*clip, b));
+        let clip = shape.clip.filter(|clip| !spared(clip)).map(|clip| self.clip(picture, band, clip, rows));
         let brush = match &shape.paint {
             Paint::Flat(sheet) => Brush::flat(*sheet),
             _ => {
@@ -190,7 +191,13 @@ impl<C: Coverage> BandRenderer<C> {
                 self.coverage.row(row, columns, place_of(rows), style_of(outline), &mut take);
             }
         }
-        for &other in &clip.within {
+        let whole = Bounds {
+            left: 0,
+            right: picture.width as usize,
+            top: rows.top as usize,
+            bottom: rows.top as usize + rows.count,
+        };
+        for &other in clip.within.iter().filter(|&&other| !picture.outlines.spares(other, whole)) {
             let other = self.clip(picture, band, other, rows);
             made.intersect(&other, self.coverage.parts());
         }

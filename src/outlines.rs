@@ -3,10 +3,11 @@
 
 use crate::edges::{BandedEdges, Bounds, EdgeList, BAND_ROWS};
 use crate::polygons::{largest_scale, Flattener};
-use crate::scene::{FillRule, Geometry, GroupId, Outline, Role, Scene};
+use crate::scene::{Clip, ClipId, FillRule, Geometry, GroupId, Outline, Role, Scene};
 use crate::{Settings, Viewport};
-use kurbo::{Affine, Rect};
+use kurbo::{Affine, Point, Rect};
 use std::sync::OnceLock;
+use usvg::tiny_skia_path::PathVerb;
 
 /// A shape or clip member at the picture's scale.
 pub(crate) struct PlacedOutline<'a> {
@@ -148,12 +149,42 @@ fn masked(scene: &Scene, outlines: &[PlacedOutline]) -> Vec<Option<Bounds>> {
     masked
 }
 
+/// For each clip a rectangle in pixels from which it takes nothing away: a page or an artboard as a rule.
+fn spared(scene: &Scene, viewport: &Viewport) -> Vec<Rect> {
+    let mut spared: Vec<Rect> = Vec::with_capacity(scene.clips.len());
+    for Clip { members, within } in &scene.clips {
+        let whole = members.iter().filter(|member| member.clip.is_none());
+        let rects = whole.filter_map(|member| rectangle(&member.geometry, viewport));
+        let largest = rects.max_by(|a, b| a.area().total_cmp(&b.area())).unwrap_or(Rect::ZERO);
+        // All that it refers to stands before it.
+        spared.push(within.iter().fold(largest, |rect, &outer| rect.intersect(spared[outer as usize])));
+    }
+    spared
+}
+
+/// The rectangle in pixels that a geometry fills, if it is one.
+fn rectangle(geometry: &Geometry, viewport: &Viewport) -> Option<Rect> {
+    let (points, verbs) = (geometry.path.points(), geometry.path.verbs());
+    let is_filled = matches!(geometry.outline, Outline::Fill(_));
+    let is_polygon = verbs.iter().all(|v| matches!(v, PathVerb::Move | PathVerb::Line | PathVerb::Close));
+    let ([a, b, c, d], true, true, 4 | 5) = (points, is_filled, is_polygon, verbs.len()) else { return None };
+    let across_first = a.y == b.y && b.x == c.x && c.y == d.y && d.x == a.x;
+    let down_first = a.x == b.x && b.y == c.y && c.x == d.x && d.y == a.y;
+    let transform = viewport.transform * geometry.transform;
+    let [_, skew_y, skew_x, ..] = transform.as_coeffs();
+    let corners = [a, c].map(|p| transform * Point::new(p.x.into(), p.y.into()));
+    let rect = Rect::from_points(corners[0], corners[1]);
+    ((across_first || down_first) && (skew_x, skew_y) == (0.0, 0.0) && rect.is_finite()).then_some(rect)
+}
+
 /// All outlines of a scene: its shapes', and its clips' members', clip by clip.
 pub(crate) struct Outlines<'a> {
     pub shapes: Vec<PlacedOutline<'a>>,
     pub clips: Vec<Vec<PlacedOutline<'a>>>,
     /// For each group that is a mask the pixels that what it masks may touch.
     masked: Vec<Option<Bounds>>,
+    /// For each clip a rectangle in pixels from which it takes nothing away.
+    spared: Vec<Rect>,
 }
 
 impl<'a> Outlines<'a> {
@@ -162,6 +193,7 @@ impl<'a> Outlines<'a> {
         let shapes: Vec<_> = scene.shapes.iter().map(|shape| place(&shape.geometry)).collect();
         Outlines {
             masked: masked(scene, &shapes),
+            spared: spared(scene, viewport),
             shapes,
             clips: scene
                 .clips
@@ -176,6 +208,13 @@ impl<'a> Outlines<'a> {
         self.masked[mask as usize]
     }
 
+    /// Does a clip take nothing away from what lies in these bounds?
+    pub fn spares(&self, clip: ClipId, bounds: Bounds) -> bool {
+        let Rect { x0, y0, x1, y1 } = self.spared[clip as usize];
+        let (left, top) = (bounds.left as f64, bounds.top as f64);
+        x0 <= left && y0 <= top && x1 >= bounds.right as f64 && y1 >= bounds.bottom as f64
+    }
+
     pub fn forget_above(&mut self, row: usize) {
         self.shapes
             .iter_mut()
@@ -188,6 +227,24 @@ impl<'a> Outlines<'a> {
 mod tests {
     use super::*;
     use crate::Options;
+
+    #[test]
+    fn only_a_clip_that_takes_something_away_takes_part() {
+        let svg = br##"<svg xmlns="http://www.w3.org/2000/svg" width="100" height="100">
+            <clipPath id="page"><rect width="100" height="100"/></clipPath>
+            <clipPath id="turned"><rect width="100" height="100" transform="rotate(45 50 50)"/></clipPath>
+            <clipPath id="in" clip-path="url(#page)"><rect x="10" y="10" width="50" height="80"/></clipPath>
+            <path clip-path="url(#page)" d="M0 0h100v100H0z"/><path clip-path="url(#in)" d="M20 20h5v5z"/>
+            <path clip-path="url(#in)" d="M55 20h5v5z"/><path clip-path="url(#turned)" d="M50 50h5v5z"/></svg>"##;
+        let scene = Scene::from_bytes(svg, &Options::default()).unwrap();
+        let viewport = Viewport { width: 100, height: 100, transform: Affine::IDENTITY };
+        let outlines = Outlines::new(&scene, &viewport, false);
+        let shapes = scene.shapes.iter().zip(&outlines.shapes);
+        let spared =
+            shapes.map(|(shape, placed)| outlines.spares(shape.clip.unwrap(), placed.bounds.unwrap()));
+        // Bounds have a margin of a pixel, which reaches out of the clip in the third.
+        assert_eq!(spared.collect::<Vec<_>>(), [true, true, false, false]);
+    }
 
     #[test]
     fn a_mask_is_wanted_where_what_it_masks_may_be_and_nowhere_else() {

@@ -15,12 +15,14 @@ use super::{input, render, temporary};
 use std::io::Write;
 use std::process::ExitCode;
 use std::time::Instant;
-use toon_raster::encode::{Layout, PngWriter, Rate};
+use toon_raster::encode::{Layout, Rate};
 use toon_raster::frames::gallery::Made;
 use toon_raster::frames::list::FrameList;
+use toon_raster::frames::packing::Packing;
 use toon_raster::frames::sequence::in_order;
 use toon_raster::frames::Timeline;
-use toon_raster::{Error, Pixmap, Viewport};
+use toon_raster::render::Canvas;
+use toon_raster::{Error, Viewport};
 
 /// The options of sequences.
 #[derive(clap::Args, Debug)]
@@ -166,8 +168,9 @@ impl Shoot {
         let open = |degrees: f64| Shutter { open: degrees / 360.0 / self.rate.fps(), samples };
         let shutter = options.shutter.map(open);
         let workers = self.threads.min(self.frames.len());
-        let studio =
-            Studio::new(&self.job.picture.view, self.film.as_ref(), shutter, options.verify_reuse, workers);
+        let packing = Packing::new(self.job.picture.effort, self.job.picture.view.is_opaque());
+        let (view, film) = (&self.job.picture.view, self.film.as_ref());
+        let studio = Studio::new((view, film), shutter, options.verify_reuse, workers, packing);
         let (failures, made) = match &self.job.destination {
             Destination::One(target) => self.to_one(&studio, target, &mut progress),
             _ => (self.to_files(&studio, &mut progress), true),
@@ -260,27 +263,18 @@ impl Shoot {
         let made = studio.picture(painter, frame);
         let canvas = made.as_ref().as_ref().map_err(Clone::clone)?;
         let mut output = Output::create(&target)?;
-        self.write(&mut output, canvas.picture()).map_err(|e| match e {
+        self.write(&mut output, studio, canvas).map_err(|e| match e {
             Error::Io(e) => output.failure(&e),
             other => other.into(),
         })?;
         output.commit().map(|()| Done::Made)
     }
 
-    fn write(&self, output: &mut Output, picture: &Pixmap) -> Result<(), Error> {
-        if self.job.picture.plan.format == Format::Rgba {
-            return Ok(output.write_all(picture.data())?);
+    fn write(&self, output: &mut Output, studio: &Studio, canvas: &Canvas) -> Result<(), Error> {
+        match self.job.picture.plan.format {
+            Format::Rgba => Ok(output.write_all(canvas.picture().data())?),
+            _ => studio.packing.write(output, canvas),
         }
-        let effort = self.job.picture.effort;
-        let mut png = PngWriter::new(
-            output,
-            picture.width(),
-            picture.height(),
-            self.job.picture.view.is_opaque(),
-            effort,
-        )?;
-        png.write_rows(picture.data())?;
-        png.finish()
     }
 
     /// What failed, and whether the file was made all the same.

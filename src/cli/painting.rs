@@ -9,6 +9,7 @@ use super::view::{Seen, View};
 use std::sync::atomic::{AtomicU64, Ordering};
 use toon_raster::frames::cels::Cels;
 use toon_raster::frames::gallery::{Gallery, Made};
+use toon_raster::frames::packing::Packing;
 use toon_raster::frames::sequence::AHEAD;
 use toon_raster::frames::{blur, Timeline};
 use toon_raster::render::{Canvas, TileCount};
@@ -55,6 +56,7 @@ pub struct Studio<'j> {
     threads: usize,
     cels: Cels,
     gallery: Gallery<Failure>,
+    pub packing: Packing,
     painted: AtomicU64,
     tiles: AtomicU64,
     rendered: AtomicU64,
@@ -70,17 +72,18 @@ pub struct Painter {
 impl<'j> Studio<'j> {
     /// For frames that `workers` make at once.
     pub fn new(
-        view: &'j View,
-        film: Option<&'j Film>,
+        (view, film): (&'j View, Option<&'j Film>),
         shutter: Option<Shutter>,
         verify: bool,
         workers: usize,
+        packing: Packing,
     ) -> Studio<'j> {
         let gallery = Gallery::new((AHEAD + 1) * workers);
         // Renderers have one thread each, but for a frame alone.
         let threads = if workers > 1 { 1 } else { view.settings.threads };
         let [painted, tiles, rendered] = Default::default();
-        Studio { view, film, shutter, verify, threads, cels: Cels::new(), gallery, painted, tiles, rendered }
+        let cels = Cels::new();
+        Studio { view, film, shutter, verify, threads, cels, gallery, packing, painted, tiles, rendered }
     }
 
     pub fn painter(&self) -> Painter {

@@ -10,12 +10,6 @@
 /// A row counts as a gradient if more than one in so many of its pixels differ from their neighbours.
 const GRADIENT: usize = 8;
 
-/// Filters rows, one after the other from the top.
-pub(super) struct Filter {
-    bytes_per_pixel: usize,
-    above: Vec<u8>,
-}
-
 /// A filter, by PNG's number for it.
 #[derive(Clone, Copy)]
 enum Kind {
@@ -25,42 +19,60 @@ enum Kind {
     Above = 2,
 }
 
-impl Filter {
-    /// For rows of this many bytes.
-    pub(super) fn new(bytes_per_row: usize, bytes_per_pixel: usize) -> Filter {
-        Filter { bytes_per_pixel, above: vec![0; bytes_per_row] }
-    }
-
-    /// Makes `out` the filter's number and the filtered row.
-    pub(super) fn filter(&mut self, row: &[u8], out: &mut Vec<u8>) {
-        let kind = self.best(row);
-        out.clear();
-        out.push(kind as u8);
-        match kind {
-            Kind::Left => {
-                let (first, rest) = row.split_at(self.bytes_per_pixel);
-                out.extend_from_slice(first);
-                out.extend(rest.iter().zip(row).map(|(x, left)| x.wrapping_sub(*left)));
-            }
-            Kind::Above => out.extend(row.iter().zip(&self.above).map(|(x, above)| x.wrapping_sub(*above))),
+/// Appends each of `rows`, whose pixels have N bytes, to `out`: the filter's number, then the filtered row. The first one
+/// is filtered without a look at what is above. WIDE, a multiple of N, is how many bytes are compared at once.
+pub(super) fn filter<const N: usize, const WIDE: usize>(
+    rows: &[u8],
+    bytes_per_row: usize,
+    out: &mut Vec<u8>,
+) {
+    let mut above: Option<&[u8]> = None;
+    for row in rows.chunks_exact(bytes_per_row) {
+        let start = out.len();
+        if !above.is_some_and(|above| suits_above::<N, WIDE>(row, above, out)) {
+            out.truncate(start);
+            out.push(Kind::Left as u8);
+            let (first, rest) = row.split_at(N);
+            out.extend_from_slice(first);
+            out.extend(rest.iter().zip(row).map(|(x, left)| x.wrapping_sub(*left)));
         }
-        self.above.copy_from_slice(row);
+        above = Some(row);
     }
+}
 
-    fn best(&self, row: &[u8]) -> Kind {
-        let shifted = &row[self.bytes_per_pixel..];
-        let (across, down) = match self.bytes_per_pixel {
-            4 => (changes::<4>(shifted, row), changes::<4>(row, &self.above)),
-            _ => (changes::<3>(shifted, row), changes::<3>(row, &self.above)),
-        };
-        let pixels = row.len() / self.bytes_per_pixel;
-        let is_gradient = across.min(down) > pixels / GRADIENT;
-        if is_gradient && distance(shifted, row) < distance(row, &self.above) {
-            Kind::Left
-        } else {
-            Kind::Above
+/// Appends a row as its difference to the one above; whether that is the filter for it.
+fn suits_above<const N: usize, const WIDE: usize>(row: &[u8], above: &[u8], out: &mut Vec<u8>) -> bool {
+    out.push(Kind::Above as u8);
+    let start = out.len();
+    // Most of it stays zero.
+    out.resize(start + row.len(), 0);
+    let mut down = 0;
+    let subtract = |out: &mut [u8], row: &[u8], above: &[u8]| {
+        let places = out.iter_mut().zip(row.iter().zip(above));
+        places.for_each(|(out, (x, above))| *out = x.wrapping_sub(*above));
+        changes::<N>(row, above)
+    };
+    let (places, last_places) = out[start..].as_chunks_mut::<WIDE>();
+    let ((row_chunks, last_row), (above_chunks, last_above)) = (row.as_chunks::<WIDE>(), above.as_chunks());
+    for ((out, row), above) in places.iter_mut().zip(row_chunks).zip(above_chunks) {
+        if differ(row, above) {
+            down += subtract(out, row, above);
         }
     }
+    down += subtract(last_places, last_row, last_above);
+    let most = row.len() / N / GRADIENT;
+    if down <= most {
+        return true;
+    }
+    let shifted = &row[N..];
+    changes::<N>(shifted, row) <= most || distance(shifted, row) >= distance(row, above)
+}
+
+/// Do bytes differ? A multiple of 8 of them are looked at.
+#[inline]
+fn differ<const WIDE: usize>(a: &[u8; WIDE], b: &[u8; WIDE]) -> bool {
+    let words = a.as_chunks::<8>().0.iter().zip(b.as_chunks::<8>().0);
+    words.fold(0, |all, (x, y)| all | (u64::from_le_bytes(*x) ^ u64::from_le_bytes(*y))) != 0
 }
 
 /// How many pixels of N bytes of `a` differ from those of `b`, as far as the shorter goes.

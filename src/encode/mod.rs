@@ -2,22 +2,26 @@
 //! [`GifWriter`], [`Y4mWriter`] and [`SheetWriter`] for many. Raw RGBA needs no encoder, the rows are it.
 //!
 //! Rows are those of [`crate::Renderer::render_bands`]: straight 8-bit RGBA from the top, without
-//! padding. The PNG encoder holds no more than a few rows, so that a picture is never in memory whole;
+//! padding. The PNG encoder holds no more than some rows, so that a picture is never in memory whole;
 //! those of frames hold one or two frames.
 
 mod apng;
 mod changed;
+mod deflate;
 mod filter;
 mod gif;
+mod huffman;
+pub(crate) mod packed;
 mod palette;
-mod png;
+pub(crate) mod png;
 mod rate;
 mod sheet;
 mod y4m;
 
 pub use apng::ApngWriter;
 pub use gif::GifWriter;
-pub use png::{Effort, PngWriter};
+pub use packed::Effort;
+pub use png::PngWriter;
 pub use rate::Rate;
 pub use sheet::{Layout, SheetWriter};
 pub use y4m::{Y4mWriter, Yuv};

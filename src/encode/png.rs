@@ -1,56 +1,26 @@
-//! Takes straight RGBA rows from the top, writes a PNG: rows go out as they come in.
+//! Takes straight RGBA rows from the top, writes a PNG: parts of it go out as their rows come in.
 //!
 //! Promises: the file is valid once [`PngWriter::finish`] has returned, and depends only on the
 //! pixels, the effort and whether the picture was announced as opaque; never on how the rows were
-//! grouped. Memory: three rows, one chunk and the compressor's window.
+//! grouped. Memory: the rows of a part, half a megabyte or eight rows, a few times.
 
-use super::filter::Filter;
+use super::packed::{rows_in_part, Adler, Effort, Packed, Packer};
 use crate::Error;
-use flate2::write::ZlibEncoder;
-use flate2::Compression;
 use std::io::{self, Write};
 
-/// How hard the compressor works. Flat art is long runs of one colour, which the compressor's cheap
-/// levels find already.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Effort {
-    /// The least time.
-    Fast,
-    /// About the size of usual encoders in a fraction of the time.
-    #[default]
-    Flat,
-    /// The smallest file.
-    Small,
-}
-
-impl Effort {
-    /// zlib's level. The one for flat art is the lowest at which no file of the samples is more than
-    /// 1.25 times what the `png` crate makes by default. Time and size relative to that, for 29
-    /// pictures 2,048 pixels wide (size: geometric mean, largest): level 2 takes .40, 1.11, 1.56;
-    /// 3: .44, 1.09, 1.36; 4: .51, 1.08, 1.24; 5: .67, 1.05, 1.22.
-    fn level(self) -> u32 {
-        match self {
-            Effort::Fast => 1,
-            Effort::Flat => 4,
-            Effort::Small => 9,
-        }
-    }
-}
-
-/// Bytes of compressed data in one chunk of the file.
-const CHUNK: usize = 1 << 16;
+/// Zlib's header: a window of 32 KB.
+const ZLIB: [u8; 2] = [0x78, 0x9c];
+/// An empty block that is the last.
+const LAST: [u8; 2] = [3, 0];
 
 /// Writes one PNG, row by row.
 pub struct PngWriter<W: Write> {
-    compressor: ZlibEncoder<DataChunks<W>>,
-    filter: Filter,
-    /// One row as it goes to the compressor: the filter's number, then the filtered pixels.
-    row: Vec<u8>,
-    /// One row without alpha.
-    narrow: Vec<u8>,
-    bytes_per_row: usize,
+    parts: PartWriter<W>,
+    packer: Packer,
+    /// Rows that are not yet a part.
+    waiting: Vec<u8>,
+    width: usize,
     rows_left: u32,
-    opaque: bool,
 }
 
 impl<W: Write> PngWriter<W> {
@@ -60,20 +30,12 @@ impl<W: Write> PngWriter<W> {
     /// # Errors
     /// When the header cannot be written, or the picture has no pixel.
     pub fn new(to: W, width: u32, height: u32, opaque: bool, effort: Effort) -> Result<PngWriter<W>, Error> {
-        let mut encoder = ::png::Encoder::new(to, width, height);
-        encoder.set_color(if opaque { ::png::ColorType::Rgb } else { ::png::ColorType::Rgba });
-        encoder.set_depth(::png::BitDepth::Eight);
-        let file = encoder.write_header().map_err(to_io)?;
-        let bytes_per_pixel = if opaque { 3 } else { 4 };
-        let chunks = DataChunks { file, data: Vec::with_capacity(CHUNK) };
         Ok(PngWriter {
-            compressor: ZlibEncoder::new(chunks, Compression::new(effort.level())),
-            filter: Filter::new(width as usize * bytes_per_pixel, bytes_per_pixel),
-            row: Vec::new(),
-            narrow: Vec::new(),
-            bytes_per_row: width as usize * 4,
+            parts: PartWriter::new(to, (width, height), opaque)?,
+            packer: Packer::new(effort, opaque),
+            waiting: Vec::new(),
+            width: width as usize,
             rows_left: height,
-            opaque,
         })
     }
 
@@ -81,22 +43,27 @@ impl<W: Write> PngWriter<W> {
     ///
     /// # Errors
     /// When they cannot be written, are not whole, or are more than the picture has.
-    pub fn write_rows(&mut self, rows: &[u8]) -> Result<(), Error> {
-        let count = rows.len() / self.bytes_per_row;
-        if !rows.len().is_multiple_of(self.bytes_per_row) || count > self.rows_left as usize {
+    pub fn write_rows(&mut self, mut rows: &[u8]) -> Result<(), Error> {
+        let bytes_per_row = self.width * 4;
+        let count = rows.len() / bytes_per_row;
+        if !rows.len().is_multiple_of(bytes_per_row) || count > self.rows_left as usize {
             return Err(wrong_rows(format!("{} bytes are not the picture's next rows", rows.len())));
         }
-        for row in rows.chunks_exact(self.bytes_per_row) {
-            if self.opaque {
-                self.narrow.clear();
-                self.narrow.extend(row.as_chunks().0.iter().flat_map(|[r, g, b, _]| [*r, *g, *b]));
-                self.filter.filter(&self.narrow, &mut self.row);
-            } else {
-                self.filter.filter(row, &mut self.row);
-            }
-            self.compressor.write_all(&self.row)?;
-        }
         self.rows_left -= count as u32;
+        let part = self.parts.rows_in_part() as usize * bytes_per_row;
+        while self.waiting.len() + rows.len() >= part {
+            let missing = part - self.waiting.len();
+            let packed = if self.waiting.is_empty() {
+                self.packer.pack(&rows[..part], self.width)
+            } else {
+                self.waiting.extend_from_slice(&rows[..missing]);
+                self.packer.pack(&self.waiting, self.width)
+            };
+            self.waiting.clear();
+            self.parts.write(&packed)?;
+            rows = &rows[missing..];
+        }
+        self.waiting.extend_from_slice(rows);
         Ok(())
     }
 
@@ -104,13 +71,14 @@ impl<W: Write> PngWriter<W> {
     ///
     /// # Errors
     /// When it cannot be written, or rows are missing.
-    pub fn finish(self) -> Result<(), Error> {
+    pub fn finish(mut self) -> Result<(), Error> {
         if self.rows_left > 0 {
             return Err(wrong_rows(format!("{} rows are missing", self.rows_left)));
         }
-        let mut chunks = self.compressor.finish()?;
-        chunks.write_chunk()?;
-        Ok(chunks.file.finish().map_err(to_io)?)
+        if !self.waiting.is_empty() {
+            self.parts.write(&self.packer.pack(&self.waiting, self.width))?;
+        }
+        self.parts.finish()
     }
 }
 
@@ -118,33 +86,50 @@ fn wrong_rows(what: String) -> Error {
     Error::Io(io::Error::new(io::ErrorKind::InvalidInput, what))
 }
 
-/// Takes compressed bytes, writes them to the file as chunks of image data.
-struct DataChunks<W: Write> {
+/// Takes the parts of a PNG, packed, writes the file: a chunk for each, which goes out when the next one comes.
+pub(crate) struct PartWriter<W: Write> {
     file: ::png::Writer<W>,
-    data: Vec<u8>,
+    chunk: Vec<u8>,
+    sum: Adler,
+    width: u32,
 }
 
-impl<W: Write> DataChunks<W> {
-    fn write_chunk(&mut self) -> io::Result<()> {
-        if !self.data.is_empty() {
-            self.file.write_chunk(::png::chunk::IDAT, &self.data).map_err(to_io)?;
-            self.data.clear();
-        }
-        Ok(())
+impl<W: Write> PartWriter<W> {
+    /// Begins the file of a picture of such a size.
+    pub fn new(to: W, (width, height): (u32, u32), opaque: bool) -> Result<PartWriter<W>, Error> {
+        let mut encoder = ::png::Encoder::new(to, width, height);
+        encoder.set_color(if opaque { ::png::ColorType::Rgb } else { ::png::ColorType::Rgba });
+        encoder.set_depth(::png::BitDepth::Eight);
+        let file = encoder.write_header().map_err(to_io)?;
+        Ok(PartWriter { file, chunk: ZLIB.to_vec(), sum: Adler::NOTHING, width })
     }
-}
 
-impl<W: Write> Write for DataChunks<W> {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        let taken = bytes.len().min(CHUNK - self.data.len());
-        self.data.extend_from_slice(&bytes[..taken]);
-        if self.data.len() == CHUNK {
+    /// Rows of each part but the last.
+    pub fn rows_in_part(&self) -> u32 {
+        rows_in_part(self.width)
+    }
+
+    /// Adds the next part.
+    pub fn write(&mut self, part: &Packed) -> Result<(), Error> {
+        if self.chunk.len() > ZLIB.len() {
             self.write_chunk()?;
         }
-        Ok(taken)
+        self.chunk.extend_from_slice(&part.blocks);
+        self.sum = self.sum.then(part.sum);
+        Ok(())
     }
 
-    fn flush(&mut self) -> io::Result<()> {
+    /// Ends the file.
+    pub fn finish(mut self) -> Result<(), Error> {
+        self.chunk.extend_from_slice(&LAST);
+        self.chunk.extend_from_slice(&self.sum.sum().to_be_bytes());
+        self.write_chunk()?;
+        Ok(self.file.finish().map_err(to_io)?)
+    }
+
+    fn write_chunk(&mut self) -> Result<(), Error> {
+        self.file.write_chunk(::png::chunk::IDAT, &self.chunk).map_err(to_io)?;
+        self.chunk.clear();
         Ok(())
     }
 }

@@ -3,6 +3,7 @@
 //!
 //! Promises: the scene that the whole drawing makes; bounded memory.
 
+use super::shelf::Shelf;
 use super::split::{Role, Split};
 use crate::scene::load;
 use crate::scene::parts::{assemble, cut, ScenePart, CUT};
@@ -10,31 +11,20 @@ use crate::scene::print::{of_bytes, Print};
 use crate::{Options, Scene};
 use std::collections::{BTreeSet, HashMap};
 use std::ops::Range;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::Arc;
 
 /// Cels of drawings long ago are dropped when all take more than this, in bytes.
 const ROOM: usize = 128 << 20;
 
-/// Drawings whose cels are always kept: those that several threads may be at.
-const RECENT: u64 = 16;
-
 /// The cels of drawings made lately.
-#[derive(Default)]
 pub struct Cels {
-    shelf: Mutex<Shelf>,
+    shelf: Shelf<ScenePart>,
 }
 
-#[derive(Default)]
-struct Shelf {
-    cels: HashMap<Print, Kept>,
-    weight: usize,
-    /// Drawings so far.
-    now: u64,
-}
-
-struct Kept {
-    part: Arc<ScenePart>,
-    used: u64,
+impl Default for Cels {
+    fn default() -> Cels {
+        Cels { shelf: Shelf::new(ROOM) }
+    }
 }
 
 /// Writes the text at some bytes of a drawing, as it is at the moment.
@@ -61,7 +51,7 @@ impl Cels {
         let closures = drawn.iter().map(|&piece| moment.closure(piece)).collect::<Vec<_>>();
         let prints: Vec<Print> =
             drawn.iter().zip(&closures).map(|(&piece, closure)| moment.print(piece, closure)).collect();
-        let (mut parts, now) = self.find(&prints);
+        let (mut parts, now) = self.shelf.find(prints.iter().copied().map(Some));
         let missing: Vec<usize> = (0..drawn.len()).filter(|&i| parts[i].is_none()).collect();
         if !missing.is_empty() {
             let pieces = missing.iter().map(|&i| drawn[i]).collect();
@@ -71,43 +61,13 @@ impl Cels {
             for (&i, part) in missing.iter().zip(made) {
                 parts[i] = Some(Arc::new(part));
             }
-            let new = missing.iter().filter_map(|&i| Some((prints[i], parts[i].clone()?)));
-            self.lock().keep(new, now);
+            let new = missing.iter().filter_map(|&i| {
+                let part = parts[i].as_ref()?;
+                Some((prints[i], part.clone(), part.weight()))
+            });
+            self.shelf.keep(new, now);
         }
         assemble(parts.iter().flatten().map(Arc::as_ref))
-    }
-
-    /// The parts that are there, and the drawing's number.
-    fn find(&self, prints: &[Print]) -> (Vec<Option<Arc<ScenePart>>>, u64) {
-        let mut shelf = self.lock();
-        shelf.now += 1;
-        let now = shelf.now;
-        let mut find = |print| {
-            let kept = shelf.cels.get_mut(print)?;
-            kept.used = now;
-            Some(kept.part.clone())
-        };
-        (prints.iter().map(&mut find).collect(), now)
-    }
-
-    fn lock(&self) -> MutexGuard<'_, Shelf> {
-        self.shelf.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-}
-
-impl Shelf {
-    fn keep(&mut self, new: impl Iterator<Item = (Print, Arc<ScenePart>)>, now: u64) {
-        for (print, part) in new {
-            self.weight += part.weight();
-            if let Some(old) = self.cels.insert(print, Kept { part, used: now }) {
-                self.weight -= old.part.weight();
-            }
-        }
-        if self.weight > ROOM {
-            let oldest = self.now.saturating_sub(RECENT);
-            self.cels.retain(|_, kept| kept.used > oldest);
-            self.weight = self.cels.values().map(|kept| kept.part.weight()).sum();
-        }
     }
 }
 

@@ -8,6 +8,8 @@
 //! | [`cels`] | drawings that have much in common → their scenes, what was there before not parsed again |
 //! | [`blur`] | pictures of moments within a frame → their mean |
 //! | [`gallery`] | pictures made lately → the same picture again, or what a new one can take over |
+//! | [`packing`] | pictures → PNGs, of which parts that others had are not packed again |
+//! | `shelf` | what was made for frames lately → the same again |
 //! | [`sequence`] | how to make one frame, how many → frames in order, on all threads, in bounded memory |
 //!
 //! # Example
@@ -34,7 +36,9 @@ pub mod blur;
 pub mod cels;
 pub mod gallery;
 pub mod list;
+pub mod packing;
 pub mod sequence;
+mod shelf;
 mod split;
 pub mod timeline;
 

@@ -76,6 +76,19 @@ impl Canvas {
         (0..tiles).filter(unlike).map(move |tile| place(tile, width, height))
     }
 
+    /// Of all that these rows are made from, and where they are; `None` where that is not known. Rows are counted in whole
+    /// tiles.
+    pub(crate) fn print_of_rows(&self, from: u32, count: u32) -> Option<Print> {
+        let columns = tile_columns(self.picture.width());
+        let first = (from / BAND_ROWS) as usize * columns;
+        let count = count.div_ceil(BAND_ROWS) as usize * columns;
+        let tiles = self.prints.get(first..)?;
+        let tiles = tiles.get(..count).unwrap_or(tiles);
+        let mut print = Print::new(u64::from(from));
+        tiles.iter().for_each(|&tile| print.add_print(tile));
+        (!tiles.is_empty()).then_some(print)
+    }
+
     fn is_like(&self, width: u32, height: u32) -> bool {
         (self.picture.width(), self.picture.height()) == (width, height)
     }
