@@ -7,10 +7,8 @@
 
 mod apng;
 mod changed;
-mod deflate;
 mod filter;
 mod gif;
-mod huffman;
 pub(crate) mod packed;
 mod palette;
 pub(crate) mod png;

@@ -1,7 +1,6 @@
 //! Takes some rows of a picture, makes their part of a PNG's data: filtered and packed so that nothing of it depends on
 //! the rows before. The same rows of two pictures have the same bytes, which need be made only once.
 
-use super::deflate::{Deflater, Search};
 use super::filter::filter;
 use crate::edges::BAND_ROWS;
 use crate::Pixmap;
@@ -17,7 +16,8 @@ pub(crate) fn rows_in_part(width: u32) -> u32 {
     (rows as u32 / BAND_ROWS * BAND_ROWS).max(BAND_ROWS)
 }
 
-/// How hard the packer works. Flat art is long runs of one colour, which cost no search.
+/// How hard the compressor works. Flat art is long runs of one colour, which the compressor's cheap
+/// levels find already.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Effort {
     /// The least time.
@@ -30,15 +30,16 @@ pub enum Effort {
 }
 
 impl Effort {
-    /// For flat art 16 places are the fewest at which no file of the samples is more than 1.2 times what the `png` crate
-    /// makes by default. Size relative to that, for 29 pictures 1,024 pixels wide (geometric mean, largest): 8 places
-    /// 1.08, 1.26; 16: 1.06, 1.19; 32: 1.06, 1.18.
-    fn search(self) -> Search {
-        match self {
-            Effort::Fast => Search { depth: 2, lazy: 4, nice: 32 },
-            // The smallest is left to zlib.
-            Effort::Flat | Effort::Small => Search { depth: 16, lazy: 16, nice: 64 },
-        }
+    /// zlib's level. The one for flat art is the lowest at which no file of the samples is more than
+    /// 1.25 times what the `png` crate makes by default. Time and size relative to that, for 29
+    /// pictures 2,048 pixels wide (size: geometric mean, largest): level 2 takes .40, 1.11, 1.56;
+    /// 3: .44, 1.09, 1.36; 4: .51, 1.08, 1.24; 5: .67, 1.05, 1.22.
+    fn level(self) -> Compression {
+        Compression::new(match self {
+            Effort::Fast => 1,
+            Effort::Flat => 4,
+            Effort::Small => 9,
+        })
     }
 }
 
@@ -53,49 +54,45 @@ pub(crate) struct Packed {
 
 /// Packs rows; keeps its buffers.
 pub(crate) struct Packer {
-    deflater: Deflater,
-    effort: Effort,
+    compress: Compress,
     opaque: bool,
     filtered: Vec<u8>,
     /// Rows without alpha.
     narrow: Vec<u8>,
+    blocks: Vec<u8>,
 }
 
 impl Packer {
     /// `opaque` leaves alpha out.
     pub fn new(effort: Effort, opaque: bool) -> Packer {
-        let deflater = Deflater::new(effort.search());
-        Packer { deflater, effort, opaque, filtered: Vec::new(), narrow: Vec::new() }
+        let compress = Compress::new(effort.level(), false);
+        Packer { compress, opaque, filtered: Vec::new(), narrow: Vec::new(), blocks: Vec::new() }
     }
 
     /// Packs whole rows of straight RGBA, `width` pixels each.
     pub fn pack(&mut self, rows: &[u8], width: usize) -> Packed {
         self.filtered.clear();
-        let bytes_per_pixel = if self.opaque {
+        if self.opaque {
             self.narrow.clear();
             self.narrow.extend(rows.as_chunks().0.iter().flat_map(|[r, g, b, _]| [*r, *g, *b]));
             filter::<3, 48>(&self.narrow, 3 * width, &mut self.filtered);
-            3
         } else {
             filter::<4, 64>(rows, 4 * width, &mut self.filtered);
-            4
-        };
-        let mut blocks = Vec::new();
-        match self.effort {
-            Effort::Small => deflate_by_zlib(&self.filtered, &mut blocks),
-            _ => self.deflater.deflate(&self.filtered, bytes_per_pixel, &mut blocks),
         }
-        Packed { blocks, sum: Adler::of(&self.filtered) }
+        Packed { blocks: self.deflate(), sum: Adler::of(&self.filtered) }
     }
-}
 
-/// Does what [`Deflater::deflate`] does by zlib, as hard as that can: several times as long, and up to .85 of the size.
-fn deflate_by_zlib(data: &[u8], out: &mut Vec<u8>) {
-    let mut zlib = Compress::new(Compression::best(), false);
-    // What cannot be packed is stored, in blocks with a few bytes of their own.
-    out.reserve(data.len() + data.len() / 64 + 1024);
-    let packed = zlib.compress_vec(data, out, FlushCompress::Full);
-    assert!(packed.is_ok() && zlib.total_in() == data.len() as u64, "there is room for all");
+    /// The filtered rows as blocks that end at a whole byte, with nothing of what was packed before.
+    fn deflate(&mut self) -> Vec<u8> {
+        let bytes = self.filtered.len();
+        self.compress.reset();
+        self.blocks.clear();
+        // What cannot be packed is stored, in blocks with a few bytes of their own.
+        self.blocks.reserve(bytes + bytes / 64 + 1024);
+        let packed = self.compress.compress_vec(&self.filtered, &mut self.blocks, FlushCompress::Sync);
+        assert!(packed.is_ok() && self.compress.total_in() == bytes as u64, "there is room for all");
+        self.blocks.clone()
+    }
 }
 
 /// Zlib's checksum of some bytes ([RFC 1950]), and how many they are.

@@ -1,6 +1,6 @@
 //! Takes layers, moves their pixels about: feDisplacementMap and feTile.
 
-use crate::effects::layer::{straight, IntRect, Layer, CLEAR};
+use crate::effects::layer::{straight, IntRect, Layer};
 use usvg::filter::{ColorChannel, DisplacementMap};
 
 /// feDisplacementMap: each pixel comes from where the map's straight colour says, between pixels
@@ -39,21 +39,29 @@ pub(super) fn tiled(layer: &Layer, tile: IntRect) -> Layer {
     let rect = layer.rect();
     let mut made = Layer::clear(rect, layer.space());
     // What of the tile lies outside the layer is clear, and is repeated as such.
-    if tile.is_empty() {
+    if tile.intersect(rect).is_empty() {
         return made;
     }
-    let folded = |at: i32, start: i32, length: usize| (at - start).rem_euclid(length as i32);
-    let mut line = vec![CLEAR; tile.width()];
-    let phase = folded(rect.x(), tile.x(), tile.width());
+    let (width, left) = (tile.width() as i64, i64::from(rect.x()));
+    // The tile's columns that the layer has, and where they begin in the row for the first time.
+    let seen = tile.intersect(rect);
+    let columns = (seen.x() - rect.x()) as usize..(seen.right() - rect.x()) as usize;
+    let start = i64::from(seen.x())
+        - left
+        - (i64::from(seen.x()) - left + seen.width() as i64 - 1).div_euclid(width) * width;
     for (row, pixels) in made.pixels_mut().chunks_exact_mut(rect.width().max(1)).enumerate() {
-        let y = tile.y() + folded(rect.y() + row as i32, tile.y(), tile.height());
-        if (rect.y()..rect.bottom()).contains(&y) {
-            layer.row(tile.x(), y, tile.width(), |i, pixel| line[i] = pixel);
-            let (first, rest) = pixels.split_at_mut(pixels.len().min(tile.width() - phase as usize));
-            first.copy_from_slice(&line[phase as usize..][..first.len()]);
-            for pixels in rest.chunks_mut(line.len()) {
-                pixels.copy_from_slice(&line[..pixels.len()]);
-            }
+        let down = (i64::from(rect.y()) + row as i64 - i64::from(tile.y())).rem_euclid(tile.height() as i64);
+        let y = i64::from(tile.y()) + down - i64::from(rect.y());
+        let Some(from) = usize::try_from(y).ok().filter(|y| *y < rect.height()) else { continue };
+        let line = &layer.pixels()[from * rect.width()..][columns.clone()];
+        let mut at = start;
+        while at < pixels.len() as i64 {
+            // Its first repetition may begin left of the row.
+            let (to, cut) = (at.max(0) as usize, (-at).max(0) as usize);
+            let line = &line[cut..];
+            let count = line.len().min(pixels.len() - to);
+            pixels[to..to + count].copy_from_slice(&line[..count]);
+            at += width;
         }
     }
     made
