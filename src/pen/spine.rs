@@ -3,7 +3,7 @@
 //!
 //! Curves are cut in halves until a part turns little and at an even pace, then into steps of equal t,
 //! as many as the outer side of the outline needs. Where a curve turns on the spot (a cusp) the pen
-//! turns with it; but not at a curve's end, where a control point next to the end point makes it turn.
+//! turns with it.
 
 use super::{quarter, Nib};
 use crate::polygons::{chord_count, Curve};
@@ -17,13 +17,6 @@ const ON_THE_SPOT: f64 = 0.1;
 
 /// Cosine of the angle at which a curve has a cusp between two of its parts.
 const STRAIGHT_ON: f64 = 0.999;
-
-/// A curve whose first control point is next to its start turns from the first leg of its control
-/// polygon to the second on a way of about the first one's length, squared, over the second's. Where that is less than this
-/// share of the pen's radius, it counts for no turn: the pen starts as it goes on. SVG's definition
-/// would ink all that the pen sweeps in that turn, a claw beside the line's end which nobody meant; no
-/// browser draws it. Of the radius, so that a drawing looks the same at all sizes.
-const NO_TURN: f64 = 1e-3;
 
 /// Stops within one part of a curve.
 const MOST_STEPS: f64 = 16384.0;
@@ -94,31 +87,26 @@ impl Spine {
     pub fn cubic(&mut self, hull: [Point; 4], seen: bool, nib: Nib) {
         let mut reverse = hull;
         reverse.reverse();
-        if direction(&hull).is_none() {
+        let Some(begins) = direction(&hull) else {
             return;
-        }
+        };
         let first = self.stations.len();
-        // Always walked from the same end, so that both directions have the same stations.
-        let key = |hull: [Point; 4]| hull.map(|p| (p.y, p.x));
-        let reversed = key(hull) > key(reverse);
-        let (hull, reverse) = if reversed { (reverse, hull) } else { (hull, reverse) };
-        self.stations.extend(direction(&hull).map(|along| Station { at: hull[0], along }));
-        if seen {
-            self.part(hull, nib, 0);
+        if !seen {
+            let ends = direction(&reverse).map_or(begins, |back| -back);
+            let [from, .., to] = hull;
+            self.stations.extend([Station { at: from, along: begins }, Station { at: to, along: ends }]);
         } else {
-            let last = direction(&reverse).map(|back| Station { at: hull[3], along: -back });
-            self.stations.extend(last);
-        }
-        let stations = &mut self.stations[first..];
-        if let Some(along) = settled(hull, nib) {
-            settle(stations.iter_mut(), along, |along| along, nib);
-        }
-        if let Some(along) = settled(reverse, nib) {
-            settle(stations.iter_mut().rev(), along, |along| -along, nib);
-        }
-        if reversed {
-            stations.reverse();
-            stations.iter_mut().for_each(|station| station.along = -station.along);
+            // Always walked from the same end, so that both directions have the same stations.
+            let key = |hull: [Point; 4]| hull.map(|p| (p.y, p.x));
+            let reversed = key(hull) > key(reverse);
+            let hull = if reversed { reverse } else { hull };
+            self.stations.extend(direction(&hull).map(|along| Station { at: hull[0], along }));
+            self.part(hull, nib, 0);
+            if reversed {
+                let stations = &mut self.stations[first..];
+                stations.reverse();
+                stations.iter_mut().for_each(|station| station.along = -station.along);
+            }
         }
         self.segments.push(Segment { first, end: self.stations.len(), is_line: false });
     }
@@ -179,37 +167,6 @@ impl Spine {
             self.stations.push(Station { at, along: cosine * begins + sine * quarter(begins) });
         }
         self.stations.push(Station { at, along: ends });
-    }
-}
-
-/// The direction in which a curve goes on from a turn at its start that counts for none.
-fn settled([p0, p1, p2, _]: [Point; 4], nib: Nib) -> Option<Vec2> {
-    let (first, second) = (p1 - p0, p2 - p1);
-    let length = second.hypot();
-    let is_short = first.hypot2() < NO_TURN * nib.radius * length;
-    (is_short && length.is_finite()).then(|| second / length)
-}
-
-/// Gives the stations at a curve's end, from there inwards, the direction in which it goes on, as far as
-/// the pen would reach back over the end. `turned` makes the curve's direction one that looks inwards, and back.
-fn settle<'a>(
-    stations: impl ExactSizeIterator<Item = &'a mut Station>,
-    inwards: Vec2,
-    turned: impl Fn(Vec2) -> Vec2,
-    nib: Nib,
-) {
-    let others = stations.len() - 1;
-    let (mut end, mut nearest) = (None, -1.0);
-    for station in stations.take(others) {
-        let end = *end.get_or_insert(station.at);
-        let along = turned(station.along);
-        let (sine, cosine) = (inwards.cross(along).abs(), inwards.dot(along));
-        let reaches_back = cosine < 0.0 || (station.at - end).dot(inwards) <= nib.radius * sine;
-        if !reaches_back || cosine < nearest {
-            break;
-        }
-        nearest = cosine;
-        station.along = turned(inwards);
     }
 }
 
