@@ -87,8 +87,8 @@ impl Packer {
         let bytes = self.filtered.len();
         self.compress.reset();
         self.blocks.clear();
-        // What cannot be packed is stored, in blocks with a few bytes of their own.
-        self.blocks.reserve(bytes + bytes / 64 + 1024);
+        // A byte takes nine bits at most.
+        self.blocks.reserve(bytes + bytes / 8 + 1024);
         let packed = self.compress.compress_vec(&self.filtered, &mut self.blocks, FlushCompress::Sync);
         assert!(packed.is_ok() && self.compress.total_in() == bytes as u64, "there is room for all");
         self.blocks.clone()

@@ -198,6 +198,19 @@ mod tests {
     }
 
     #[test]
+    fn noise_comes_back_though_it_grows() {
+        let mut noise = 1_u32;
+        let mut next = || {
+            noise = noise.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (noise >> 24) as u8
+        };
+        let pixels: Vec<u8> = (0..4 * 600 * 500).map(|_| next()).collect();
+        for effort in [Effort::Fast, Effort::Flat, Effort::Small] {
+            assert!(decode(&encode(&pixels, 600, false, effort, 500)) == pixels, "{effort:?}");
+        }
+    }
+
+    #[test]
     fn the_grouping_of_rows_does_not_change_the_file() {
         let pixels = picture(100, 90, None);
         let one = encode(&pixels, 100, false, Effort::Flat, 1);
