@@ -4,7 +4,7 @@
 //! Here a band goes through its shapes from the front and keeps which pixels are finished: the same
 //! hidden surfaces go away, but a shape all of whose pixels are finished is left out before it is even
 //! flattened, and no sorted list of active polygons is needed. In the benchmark's scene of 3,000
-//! outlined blobs at 1024 px, 81,601 of 89,777 (shape, band) pairs end there.
+//! outlined blobs at 1024 px, 81,684 of 89,876 (shape, band) pairs end there.
 
 mod groups;
 

@@ -8,7 +8,7 @@
 
 use super::groups::{for_same, Content};
 use super::Cel;
-use crate::bitmap::{for_runs, word_masks};
+use crate::bitmap::{for_bits, for_runs, word_masks};
 use crate::coverage::Part;
 use crate::pixel::paint_tree::{blended, Composite, Effect};
 use crate::scene::paint::Sheet;
@@ -93,11 +93,10 @@ impl Cel {
             let (touched, listed) = (self.touched.row(row)[word], self.listed.row(row)[word]);
             let with_lists = open & (group.listed.row(row)[word] | touched & listed);
             self.suspend_runs(group, (row, word), open & !with_lists);
-            for_runs(with_lists, |a, b| {
-                for x in word * 64 + a..word * 64 + b {
-                    let (before, source) = (self.content(row, x), group.content(row, x));
-                    self.waiting.pixels.push(Pixel { at: (row, x), before, source });
-                }
+            for_bits(with_lists, |x| {
+                let x = word * 64 + x;
+                let (before, source) = (self.content(row, x), group.content(row, x));
+                self.waiting.pixels.push(Pixel { at: (row, x), before, source });
             });
             self.touched.row_mut(row)[word] &= !open;
             self.listed.row_mut(row)[word] &= !open;
@@ -174,12 +173,11 @@ impl Cel {
                 }
             });
             self.touched.row_mut(row)[word] |= mask;
-            for_runs(listed, |a, b| {
-                for x in word * 64 + a..word * 64 + b {
-                    let part = |sheet| Content { sheet, first: NO_ENTRY, last: NO_ENTRY };
-                    let composite = Composite { opacity: 1.0, effect: Effect::Blend(mode) };
-                    self.resume_list((row, x), part(before), (composite, part(source)), entries);
-                }
+            for_bits(listed, |x| {
+                let x = word * 64 + x;
+                let part = |sheet| Content { sheet, first: NO_ENTRY, last: NO_ENTRY };
+                let composite = Composite { opacity: 1.0, effect: Effect::Blend(mode) };
+                self.resume_list((row, x), part(before), (composite, part(source)), entries);
             });
         }
     }

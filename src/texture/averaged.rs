@@ -87,7 +87,7 @@ impl Scan {
         numbers.iter().all(|v| v.abs() < LARGEST).then_some(scan)
     }
 
-    /// Pixels from one strip's to the same strip's next in a layer.
+    /// Pixels of the layer beside one another, each of one strip or of several.
     fn columns(&self) -> usize {
         self.strips >> self.parts_log2
     }
@@ -215,6 +215,7 @@ struct Span {
     share: f32,
 }
 
+/// The layer over `rect`: premultiplied means, clear where no footprint meets the image.
 pub(super) fn drawn(image: &Image, scan: &Scan, rect: IntRect) -> Layer {
     if image.is_opaque() {
         averaged(image, scan, rect, 255.0, |texel| texel.map(u32::from))

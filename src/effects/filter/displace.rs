@@ -42,13 +42,11 @@ pub(super) fn tiled(layer: &Layer, tile: IntRect) -> Layer {
     if tile.intersect(rect).is_empty() {
         return made;
     }
-    let (width, left) = (tile.width() as i64, i64::from(rect.x()));
+    let width = tile.width() as i64;
     // The tile's columns that the layer has, and where they begin in the row for the first time.
     let seen = tile.intersect(rect);
     let columns = (seen.x() - rect.x()) as usize..(seen.right() - rect.x()) as usize;
-    let start = i64::from(seen.x())
-        - left
-        - (i64::from(seen.x()) - left + seen.width() as i64 - 1).div_euclid(width) * width;
+    let start = columns.start as i64 - (columns.end as i64 - 1).div_euclid(width) * width;
     for (row, pixels) in made.pixels_mut().chunks_exact_mut(rect.width().max(1)).enumerate() {
         let down = (i64::from(rect.y()) + row as i64 - i64::from(tile.y())).rem_euclid(tile.height() as i64);
         let y = i64::from(tile.y()) + down - i64::from(rect.y());
