@@ -139,21 +139,19 @@ impl std::ops::Deref for StrokeStyle {
     }
 }
 
-/// Which winding numbers are inside (SVG 2, 13.3.1).
+/// Which winding numbers are inside (SVG 2, 13.3.1): those that have any of these bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(i8)]
 pub(crate) enum FillRule {
-    NonZero,
-    EvenOdd,
+    NonZero = -1,
+    EvenOdd = 1,
 }
 
 impl FillRule {
     /// Is a point with this winding number inside?
     #[inline]
     pub fn inside(self, winding: i32) -> bool {
-        match self {
-            FillRule::NonZero => winding != 0,
-            FillRule::EvenOdd => winding & 1 != 0,
-        }
+        winding & i32::from(self as i8) != 0
     }
 }
 
