@@ -45,7 +45,7 @@ fn an_image_of_a_filter_that_can_be_read_is_drawn_and_not_warned_of() {
 /// A filter over all of a picture of 64 pixels.
 fn filtered(primitives: &str, content: &str) -> String {
     format!(
-        "<filter id='f' filterUnits='userSpaceOnUse' width='64' height='64' color-interpolation-filters='sRGB'>
+        "<filter id='f' filterUnits='userSpaceOnUse' x='0' y='0' width='64' height='64' color-interpolation-filters='sRGB'>
         {primitives}</filter><g filter='url(#f)'>{content}</g>"
     )
 }
