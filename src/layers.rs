@@ -8,7 +8,7 @@
 use crate::effects::blend;
 use crate::effects::filter::region::{regions, Canvas};
 use crate::effects::filter::{self, Job};
-use crate::effects::layer::{between, IntRect, Layer, Pixel, Space, CLEAR};
+use crate::effects::layer::{add_rgba8, between, IntRect, Layer, Pixel, Space, CLEAR};
 use crate::effects::log::Log;
 use crate::effects::mask;
 use crate::outlines::Outlines;
@@ -18,21 +18,12 @@ use crate::scene::print::{self, Print};
 use crate::scene::raster::{Mask, Raster, RasterGroup, Source};
 use crate::scene::shader::Shader;
 use crate::scene::{Clip, ClipMember, Geometry, Scene, Shape};
+use crate::slabs::{Budget, Slab};
 use crate::tiles::{self, TilePlan};
 use crate::{texture, Error, Renderer, Settings, Viewport};
 use kurbo::{Affine, Point, Rect, Vec2};
 use std::ops::Range;
-use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use std::sync::Arc;
-
-/// Pixels of all layers of one scene: 4 GB.
-pub(crate) const MOST_PIXELS: u64 = 1 << 28;
-
-/// Pixels of all layers of a picture, those within layers as well, however often they are made.
-const MOST_WORK: u64 = 1 << 30;
-
-/// Pixels of layers so far, of a picture and all that is drawn for it.
-pub(crate) type Work = Arc<AtomicU64>;
 
 /// Tiles of a pattern that are drawn one by one, and the shapes in all of them; beyond, tiles are copies
 /// of one tile's pixels.
@@ -110,21 +101,21 @@ fn is_blend(paint: &Paint) -> bool {
     group.blend_mode != usvg::BlendMode::Normal
 }
 
-/// The shader of every shape, for a scene that calls for any ([`Scene::calls_for_effects`]); `log` is
-/// told what ran for them. Where only some are `wanted`, the others have none, and layers that were made for
-/// the last picture are not made again.
+/// The shader of every shape, for a scene that calls for any ([`Scene::calls_for_effects`]), to shade the
+/// bands of a slab; `log` is told what ran for them. Where only some are `wanted`, the others have none, and
+/// layers that were made for the last picture are not made again.
 ///
 /// # Errors
-/// [`Error::Limit`] when layers would hold too many pixels.
+/// [`Error::Limit`] when layers within one another, or the work on one, are beyond their bounds.
 pub(crate) fn shaders<'a>(
     scene: &'a Scene,
     viewport: &Viewport,
     settings: &Settings,
-    (log, work): (&Log, Option<&Work>),
+    (slab, budget): (&Slab, &Budget),
+    log: &Log,
     mut wanted: Option<Wanted>,
 ) -> Result<Vec<Option<Shader<'a>>>, Error> {
-    let mut artist =
-        Artist { scene, viewport, settings, pixels: 0, work: work.cloned().unwrap_or_default(), log };
+    let artist = Artist { scene, viewport, settings, slab, budget, log };
     let mut shaders = Vec::with_capacity(scene.shapes.len());
     let shapes = wanted.as_ref().map(|wanted| wanted.shapes(scene));
     let mut kept = KeptLayers::default();
@@ -140,7 +131,7 @@ pub(crate) fn shaders<'a>(
                 Some(Shader::Layer { layer: layer.clone(), by: *by, opaque: layer.is_opaque() })
             }
             Paint::Raster(raster) => Some(match &wanted {
-                Some(wanted) if !is_blend(&shape.paint) => {
+                Some(wanted) if slab.is_whole && !is_blend(&shape.paint) => {
                     let print = artist.print(raster, shape);
                     match wanted.kept.find(print) {
                         Some(shader) => kept.keep(print, shader),
@@ -152,8 +143,11 @@ pub(crate) fn shaders<'a>(
         };
         shaders.push(shader);
     }
-    if let Some(wanted) = &mut wanted {
-        wanted.kept.take(kept);
+    match &mut wanted {
+        Some(wanted) if slab.is_whole => wanted.kept.take(kept),
+        // There is no room for others.
+        Some(wanted) => *wanted.kept = kept,
+        None => {}
     }
     Ok(shaders)
 }
@@ -166,21 +160,21 @@ struct Artist<'a> {
     scene: &'a Scene,
     viewport: &'a Viewport,
     settings: &'a Settings,
-    /// Pixels of the layers so far.
-    pixels: u64,
-    work: Work,
+    slab: &'a Slab,
+    budget: &'a Budget,
     log: &'a Log,
 }
 
 impl Artist<'_> {
     /// The shader of one shape; `before` has those of the shapes below it.
     fn raster(
-        &mut self,
+        &self,
         raster: &Raster,
         shape: &Shape,
         before: &[Option<Shader>],
     ) -> Result<Shader<'static>, Error> {
-        let (to_pixels, rect) = place_of(raster, shape, self.viewport);
+        let (to_pixels, all) = place_of(raster, shape, self.viewport);
+        let rect = all.intersect(self.slab.rect);
         let faded = |mut layer: Layer| {
             if raster.opacity < 1.0 {
                 layer.pixels_mut().iter_mut().flatten().for_each(|v| *v *= raster.opacity);
@@ -190,7 +184,7 @@ impl Artist<'_> {
         if let Source::Tiles(tile, place) = &raster.source {
             if let Some(period) = period(to_pixels, *place, rect) {
                 if let Some(plane) = plane_of(tile, *place, to_pixels, period) {
-                    self.afford(period)?;
+                    self.budget.afford(period)?;
                     let drawn = self.log.run("pattern", || self.draw(&plane, to_pixels, period))?;
                     let layer = faded(drawn);
                     let opaque = layer.is_opaque();
@@ -198,9 +192,9 @@ impl Artist<'_> {
                 }
             }
         }
-        self.afford(rect)?;
+        self.budget.afford(rect)?;
         let mut layer = match &raster.source {
-            Source::Group(group) => self.group(group, to_pixels, rect)?,
+            Source::Group(group) => self.group(group, to_pixels, (rect, all))?,
             Source::Image { image, nearest } => {
                 self.log.run("image", || texture::drawn(image, to_pixels, rect, *nearest))
             }
@@ -225,23 +219,6 @@ impl Artist<'_> {
         Ok(Shader::Layer { layer: Arc::new(layer), by: (0, 0), opaque })
     }
 
-    /// Counts one more layer, over these pixels.
-    fn afford(&mut self, rect: IntRect) -> Result<(), Error> {
-        self.pixels += rect.area();
-        if self.pixels > MOST_PIXELS {
-            return Err(Error::Limit(format!(
-                "filters, masks and patterns would hold more than {MOST_PIXELS} pixels (render a smaller picture)"
-            )));
-        }
-        if self.work.fetch_add(rect.area(), Relaxed) + rect.area() > MOST_WORK {
-            return Err(Error::Limit(format!(
-                "filters, masks and patterns within one another would take more than {MOST_WORK} pixels \
-                 (flatten them, or render a smaller picture)"
-            )));
-        }
-        Ok(())
-    }
-
     /// Of all that a layer is made from, if it does not blend.
     fn print(&self, raster: &Raster, shape: &Shape) -> Print {
         let mut print = tiles::of_setup(self.viewport, self.settings);
@@ -259,16 +236,26 @@ impl Artist<'_> {
         }
         let viewport = over(rect, to_pixels);
         let settings = Settings { background: None, threads: 1, ..self.settings.clone() };
-        let mut renderer = Renderer::for_layer(settings, self.work.clone())?;
-        let picture = renderer.render(scene, &viewport)?;
+        let mut renderer = Renderer::for_layer(settings, self.budget.within())?;
+        let mut pixels = Vec::with_capacity(rect.width() * rect.height());
+        renderer.render_bands(scene, &viewport, |rows| {
+            add_rgba8(&mut pixels, rows);
+            Ok(())
+        })?;
         self.log.absorb(&renderer.stages().effects, &renderer.stages().lit);
-        Ok(Layer::from_rgba8(rect, picture.data()))
+        Ok(Layer::new(rect, Space::Srgb, pixels))
     }
 
-    fn group(&self, group: &RasterGroup, to_pixels: Affine, rect: IntRect) -> Result<Layer, Error> {
+    /// A group over a rectangle, the slab's part of `all` that the picture shows of it.
+    fn group(
+        &self,
+        group: &RasterGroup,
+        to_pixels: Affine,
+        (rect, all): (IntRect, IntRect),
+    ) -> Result<Layer, Error> {
         let mut layer = match group.filters.is_empty() {
             true => self.log.run(CONTENT, || self.draw(&group.content, to_pixels, rect))?,
-            false => self.filtered(group, to_pixels, rect)?,
+            false => self.filtered(group, to_pixels, (rect, all))?,
         };
         if let Some(mask) = &group.mask {
             self.log.run("mask", || {
@@ -278,15 +265,23 @@ impl Artist<'_> {
         Ok(layer)
     }
 
-    fn filtered(&self, group: &RasterGroup, to_pixels: Affine, rect: IntRect) -> Result<Layer, Error> {
+    fn filtered(
+        &self,
+        group: &RasterGroup,
+        to_pixels: Affine,
+        (rect, all): (IntRect, IntRect),
+    ) -> Result<Layer, Error> {
         let Some(canvas) = Canvas::new(to_pixels) else {
             return Ok(Layer::clear(rect, Space::Srgb));
         };
-        let regions = regions(&group.filters, canvas.to_canvas, canvas.rect_of(rect));
+        let (shown, all) = (canvas.rect_of(rect), canvas.rect_of(all));
+        let regions = regions(&group.filters, canvas.to_canvas, shown, all);
         filter::affordable(&group.filters, &regions)?;
-        let source = self.log.run(CONTENT, || self.draw(&group.content, canvas.to_canvas, regions[0]))?;
-        let mut draw = |content: &usvg::Group, to_pixels: Affine, rect: IntRect| {
-            self.draw(&Scene::from_group(content)?, to_pixels, rect)
+        let over = filter::source_rect(&group.filters[0], regions[0], canvas.to_canvas);
+        let source = self.log.run(CONTENT, || self.draw(&group.content, canvas.to_canvas, over))?;
+        let mut draw = |content: &usvg::Group, to_pixels: Affine, rect: IntRect| match group.image(content) {
+            Some(image) => self.draw(image, to_pixels, rect),
+            None => Ok(Layer::clear(rect, Space::Srgb)),
         };
         let mut job = Job {
             to_canvas: canvas.to_canvas,
@@ -420,6 +415,14 @@ pub(crate) fn place_of(raster: &Raster, shape: &Shape, viewport: &Viewport) -> (
         Source::Tiles(..) => crate::outlines::bounds_in_pixels(&shape.geometry, viewport),
     };
     (to_pixels, IntRect::around(bounds).intersect(picture))
+}
+
+/// The pixels that are held for a raster: once what repeats in whole pixels, else as far as it is seen.
+pub(crate) fn held_rect(raster: &Raster, shape: &Shape, viewport: &Viewport) -> IntRect {
+    let (to_pixels, rect) = place_of(raster, shape, viewport);
+    let Source::Tiles(tile, place) = &raster.source else { return rect };
+    let once = period(to_pixels, *place, rect);
+    once.filter(|&once| tiles_to_draw((tile, *place), to_pixels, once).is_some()).unwrap_or(rect)
 }
 
 /// Columns and rows of the tiles that are seen, if there are few enough to be drawn one by one.

@@ -62,6 +62,8 @@ pub mod methods;
 
 mod layers;
 
+mod slabs;
+
 pub mod plan;
 
 mod effects;

@@ -5,9 +5,9 @@
 
 use crate::edges::EdgeList;
 use crate::effects::filter::region::{regions, Canvas};
-use crate::effects::filter::{held_pixels, passes, Step};
+use crate::effects::filter::{held_pixels, passes, source_rect, Step};
 use crate::effects::layer::{IntRect, Pixel};
-use crate::layers::{copied_size, over, period, place_of, tiles_to_draw, MOST_PIXELS};
+use crate::layers::{copied_size, held_rect, over, place_of, tiles_to_draw};
 use crate::methods::{painter, Painter};
 use crate::polygons::Flattener;
 use crate::render::rows_at_once;
@@ -15,6 +15,7 @@ use crate::scene::census::stands_for_a_layer;
 use crate::scene::paint::Paint;
 use crate::scene::raster::{Mask, Raster, RasterGroup, Source};
 use crate::scene::{Geometry, Scene, Shape};
+use crate::slabs::{Budget, Slabs};
 use crate::{Error, Settings, Viewport};
 use kurbo::{Affine, Vec2};
 use serde::Serialize;
@@ -101,12 +102,12 @@ impl Plan {
         let mut plan = planner.plan;
         let outer = || plan.layers.iter().filter(|layer| layer.depth == 0);
         let kept = |layer: &LayerPlan| (layer.width * layer.height) as u64;
-        // All of the picture's own layers are kept until it is done; the work on one ends before the next.
-        let all: u64 = outer().map(kept).sum();
+        // The layers of a slab are kept until it is done; the work on one ends before the next.
         let work = outer().map(|layer| layer.bytes.saturating_sub(kept(layer) * BYTES_PER_PIXEL)).max();
-        plan.layer_bytes = all * BYTES_PER_PIXEL + work.unwrap_or(0);
-        if all > MOST_PIXELS {
-            plan.refuse(format!("its layers would hold {all} pixels, more than {MOST_PIXELS}"));
+        let unfolded = settings.method.composites_regions().then(|| scene.unfolded()).flatten();
+        match Slabs::of(unfolded.as_ref().unwrap_or(scene), viewport, &Budget::default()) {
+            Ok(slabs) => plan.layer_bytes = slabs.most_held() * BYTES_PER_PIXEL + work.unwrap_or(0),
+            Err(why) => plan.refuse(why.to_string()),
         }
         if let (false, Err(why)) = (streams, scene.refuse_rasters(&settings.method.to_string())) {
             plan.refuse(why.to_string());
@@ -176,14 +177,8 @@ impl Planner<'_> {
         viewport: &Viewport,
         depth: usize,
     ) -> (u64, u64) {
-        let (to_pixels, mut rect) = place_of(raster, shape, viewport);
-        if let Source::Tiles(tile, place) = &raster.source {
-            // What repeats in whole pixels is drawn once.
-            let repeated = period(to_pixels, *place, rect);
-            rect = repeated
-                .filter(|&once| tiles_to_draw((tile, *place), to_pixels, once).is_some())
-                .unwrap_or(rect);
-        }
+        let (to_pixels, _) = place_of(raster, shape, viewport);
+        let rect = held_rect(raster, shape, viewport);
         let own = rect.area() * BYTES_PER_PIXEL;
         let index = self.plan.layers.len();
         let (what, id, passes) = (String::new(), String::new(), Vec::new());
@@ -228,9 +223,11 @@ impl Planner<'_> {
         } else if let Some(canvas) = Canvas::new(to_pixels) {
             made.what.push("filter");
             made.id = group.filters[0].id().to_string();
-            let regions = regions(&group.filters, canvas.to_canvas, canvas.rect_of(rect));
-            made.passes.push(pass("content", regions[0]));
-            made.bytes = self.content(&group.content, canvas.to_canvas, regions[0], depth);
+            let shown = canvas.rect_of(rect);
+            let regions = regions(&group.filters, canvas.to_canvas, shown, shown);
+            let source = source_rect(&group.filters[0], regions[0], canvas.to_canvas);
+            made.passes.push(pass("content", source));
+            made.bytes = self.content(&group.content, canvas.to_canvas, source, depth);
             for (filter, &region) in group.filters.iter().zip(&regions) {
                 let steps = passes(filter).into_iter();
                 made.passes.extend(steps.map(|Step { name, is_table_over_noise }| Pass {

@@ -22,9 +22,11 @@ use crate::pixel::resolve::Surroundings;
 use crate::scene::paint::Sheet;
 use crate::scene::shader::Shader;
 use crate::scene::Role;
+use crate::slabs::{Budget, Slabs};
 use crate::tiles::TilePlan;
 use crate::{Error, Pixmap, Scene};
 use rayon::prelude::*;
+use std::ops::Range;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
@@ -154,8 +156,8 @@ pub struct Renderer {
     /// Layers of the last picture rendered onto a canvas.
     layers: KeptLayers,
     stages: Stages,
-    /// Where this draws a layer's content: what all layers of the whole picture have cost so far.
-    work: Option<layers::Work>,
+    /// Where this draws a layer's content: what is left of the whole picture's budget.
+    budget: Option<Budget>,
 }
 
 impl Renderer {
@@ -194,13 +196,13 @@ impl Renderer {
             size: (0, 0),
             layers: KeptLayers::default(),
             stages: Stages::default(),
-            work: None,
+            budget: None,
         })
     }
 
-    /// A renderer for a layer's content, whose own layers count as part of the same work.
-    pub(crate) fn for_layer(settings: Settings, work: layers::Work) -> Result<Renderer, Error> {
-        Ok(Renderer { work: Some(work), ..Renderer::new(settings)? })
+    /// A renderer for a layer's content, whose own layers have this budget.
+    pub(crate) fn for_layer(settings: Settings, budget: Budget) -> Result<Renderer, Error> {
+        Ok(Renderer { budget: Some(budget), ..Renderer::new(settings)? })
     }
 
     /// Renders into a new picture.
@@ -238,16 +240,12 @@ impl Renderer {
         if let Some(paint) = self.picture_painter() {
             return self.whole(paint, scene, viewport, buffer, stride);
         }
-        let bands = band_count(height);
-        self.prepare(
-            scene,
-            viewport,
-            |_, _, _| None,
-            |renderer, picture, _| {
-                renderer.bands(picture, height, 0..bands, buffer, stride);
-                Ok(())
-            },
-        )
+        let plan = |_: &Scene, _: &Outlines, _: &BandLists| None;
+        self.prepare(scene, viewport, plan, |renderer, picture, bands| {
+            let rows = &mut buffer[bands.start * BAND_ROWS as usize * stride..];
+            renderer.bands(picture, height, bands.clone(), rows, stride);
+            Ok(bands.end)
+        })
         .map(drop)
     }
 
@@ -270,23 +268,15 @@ impl Renderer {
         let stride = width as usize * Pixmap::BYTES_PER_PIXEL;
         let rows = rows_at_once(self.pool.as_ref().map_or(1, rayon::ThreadPool::current_num_threads));
         let at_once = (rows / BAND_ROWS) as usize;
-        let bands = band_count(height);
         let mut buffer = vec![0; stride * rows.min(height) as usize];
-        let mut first = 0;
-        self.prepare(
-            scene,
-            viewport,
-            |_, _, _| None,
-            |renderer, picture, more| {
-                let last = (first + at_once).min(bands);
-                let rows = (last * BAND_ROWS as usize).min(height as usize) - first * BAND_ROWS as usize;
-                renderer.bands(picture, height, first..last, &mut buffer[..rows * stride], stride);
-                sink(&buffer[..rows * stride])?;
-                first = last;
-                *more = (first < bands).then_some(first);
-                Ok(())
-            },
-        )
+        let plan = |_: &Scene, _: &Outlines, _: &BandLists| None;
+        self.prepare(scene, viewport, plan, |renderer, picture, bands| {
+            let (first, last) = (bands.start, bands.end.min(bands.start + at_once));
+            let rows = (last * BAND_ROWS as usize).min(height as usize) - first * BAND_ROWS as usize;
+            renderer.bands(picture, height, first..last, &mut buffer[..rows * stride], stride);
+            sink(&buffer[..rows * stride])?;
+            Ok(last)
+        })
         .map(drop)
     }
 
@@ -323,14 +313,14 @@ impl Renderer {
         Ok(())
     }
 
-    /// Places the scene's outlines, asks `plan` which tiles are to be rendered, then calls `part` until it
-    /// no longer says from which band on there is more to do.
+    /// Places the scene's outlines, asks `plan` which tiles are to be rendered, then makes the layers of one
+    /// slab after the other and calls `part` with bands of it, which says from which band on there is more to do.
     fn prepare(
         &mut self,
         scene: &Scene,
         viewport: &Viewport,
         plan: impl FnOnce(&Scene, &Outlines, &BandLists) -> Option<TilePlan>,
-        mut part: impl FnMut(&Renderer, &Picture, &mut Option<usize>) -> Result<(), Error>,
+        mut part: impl FnMut(&Renderer, &Picture, Range<usize>) -> Result<usize, Error>,
     ) -> Result<Option<TilePlan>, Error> {
         let start = Instant::now();
         self.resize(viewport);
@@ -339,35 +329,45 @@ impl Renderer {
         let mut outlines = Outlines::new(scene, viewport, self.settings.method.is_jagged());
         let bands = BandLists::new(&outlines.shapes, viewport.height);
         let plan = plan(scene, &outlines, &bands);
-        let wanted = plan.as_ref().map(|plan| Wanted { plan, outlines: &outlines, kept: &mut self.layers });
         let log = scene.calls_for_effects().then(|| Log::new(self.settings.stage_times));
-        let shaders = match &log {
-            Some(log) => layers::shaders(scene, viewport, &self.settings, (log, self.work.as_ref()), wanted)?,
-            None => Vec::new(),
+        let budget = self.budget.clone().unwrap_or_default();
+        let slabs = match &log {
+            Some(_) => Slabs::of(scene, viewport, &budget)?,
+            None => Slabs::whole(viewport),
         };
         let background = self.settings.background.map_or(Sheet::CLEAR, |[r, g, b, a]| {
             Sheet::new([r, g, b].map(|c| f32::from(c) / 255.0), f32::from(a) / 255.0)
         });
         let Settings { linear, most_work, .. } = self.settings;
-        let around = Surroundings { shaders: &shaders, background, linear, most_work };
-        let placed = start.elapsed();
-        let mut more = Some(0);
-        while more.take().is_some() {
-            let picture = Picture {
-                scene,
-                outlines: &outlines,
-                bands: &bands,
-                around: &around,
-                to_pixels: viewport.transform,
-                tolerance: self.settings.flattening_tolerance(),
-                width: viewport.width,
-                plan: plan.as_ref(),
+        let (mut placed, mut first) = (start.elapsed(), 0);
+        let shaders = loop {
+            let (slab, start) = (slabs.from(first), Instant::now());
+            let wanted =
+                plan.as_ref().map(|plan| Wanted { plan, outlines: &outlines, kept: &mut self.layers });
+            let shaders = match &log {
+                Some(log) => layers::shaders(scene, viewport, &self.settings, (&slab, &budget), log, wanted)?,
+                None => Vec::new(),
             };
-            part(self, &picture, &mut more)?;
-            if let Some(band) = more {
-                outlines.forget_above(band * BAND_ROWS as usize);
+            placed += start.elapsed();
+            let around = Surroundings { shaders: &shaders, background, linear, most_work };
+            while first < slab.bands.end {
+                let picture = Picture {
+                    scene,
+                    outlines: &outlines,
+                    bands: &bands,
+                    around: &around,
+                    to_pixels: viewport.transform,
+                    tolerance: self.settings.flattening_tolerance(),
+                    width: viewport.width,
+                    plan: plan.as_ref(),
+                };
+                first = part(self, &picture, first..slab.bands.end)?;
+                outlines.forget_above(first * BAND_ROWS as usize);
             }
-        }
+            if first == band_count(viewport.height) {
+                break shaders;
+            }
+        };
         self.stages.times = vec![("place", placed)];
         let laps = self.take_laps();
         match laps.is_empty() {
@@ -392,14 +392,7 @@ impl Renderer {
     }
 
     /// Renders some bands into `buffer`, which starts with the first of their rows.
-    fn bands(
-        &self,
-        picture: &Picture,
-        height: u32,
-        bands: std::ops::Range<usize>,
-        buffer: &mut [u8],
-        stride: usize,
-    ) {
+    fn bands(&self, picture: &Picture, height: u32, bands: Range<usize>, buffer: &mut [u8], stride: usize) {
         let (width, first, timed) = (picture.width, bands.start, self.settings.stage_times);
         let render = |renderer: &mut dyn BandPainter, (i, bytes): (usize, &mut [u8])| {
             if picture.plan.is_some_and(|plan| plan.leaves(first + i)) {

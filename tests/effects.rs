@@ -118,8 +118,8 @@ fn tiles_by_the_million_are_their_mean() {
 
 #[test]
 fn a_tile_that_repeats_in_whole_pixels_counts_as_the_layer_it_is() {
-    // As large as the picture: 272 million pixels, and 2^28 are the most.
-    let (width, height) = (17_000, 16_000);
+    // As large as the picture: 1,105 million pixels, and 2^30 are the most.
+    let (width, height) = (65_000, 17_000);
     let svg = format!(
         "<svg xmlns='http://www.w3.org/2000/svg' width='{width}' height='{height}'>
         <pattern id='p' width='{width}' height='{height}' patternUnits='userSpaceOnUse'><path d='M1 1h9v9z'/></pattern>
@@ -128,7 +128,7 @@ fn a_tile_that_repeats_in_whole_pixels_counts_as_the_layer_it_is() {
     let scene = Scene::from_bytes(svg.as_bytes(), &Options::default()).expect("a drawing");
     let mut renderer = Renderer::new(Settings::default()).expect("good settings");
     let done = renderer.render_bands(&scene, &Viewport::fit(&scene, width, height), |_| Ok(()));
-    assert!(matches!(&done, Err(Error::Limit(why)) if why.contains("would hold more")), "{done:?}");
+    assert!(matches!(&done, Err(Error::Limit(why)) if why.contains("would take more")), "{done:?}");
 }
 
 #[test]

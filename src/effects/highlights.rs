@@ -202,21 +202,30 @@ impl Phong {
         Phong { exponent, highlights, smallest_dot: band.smallest_dot(exponent) }
     }
 
-    /// The highlight at a pixel of the surface, for this halfway vector between light and eye.
-    #[inline]
-    pub fn at(&self, surface: &Surface, column: usize, row: usize, halfway: Vector) -> f32 {
-        let normal = surface.normal(column, row);
-        if self.highlights != Highlights::AsIs {
-            let neighbours = Neighbours::of(surface, column, row);
-            if neighbours.smallest_dot(normal) < self.smallest_dot {
-                let at = [column as f32, row as f32];
-                return match self.highlights {
-                    Highlights::Supersample => self.averaged(surface, at, halfway, &neighbours),
-                    _ => self.clamped(surface, at, halfway),
-                };
-            }
+    /// Is there anything to be done about what aliases?
+    pub fn cures(&self) -> bool {
+        self.highlights != Highlights::AsIs
+    }
+
+    /// The highlight that is to be at a pixel of the surface for this halfway vector between light and eye, if it
+    /// would alias there.
+    pub fn cured(&self, surface: &Surface, column: usize, row: usize, halfway: Vector) -> Option<f32> {
+        let neighbours = Neighbours::of(surface, column, row);
+        if neighbours.smallest_dot(surface.normal(column, row)) >= self.smallest_dot {
+            return None;
         }
-        power(dot(normal, halfway), self.exponent)
+        let at = [column as f32, row as f32];
+        Some(match self.highlights {
+            Highlights::Supersample => self.averaged(surface, at, halfway, &neighbours),
+            _ => self.clamped(surface, at, halfway),
+        })
+    }
+
+    /// The highlight at a pixel, cured if need be.
+    #[cfg(test)]
+    fn at(&self, surface: &Surface, column: usize, row: usize, halfway: Vector) -> f32 {
+        let cured = self.cures().then(|| self.cured(surface, column, row, halfway)).flatten();
+        cured.unwrap_or_else(|| power(dot(surface.normal(column, row), halfway), self.exponent))
     }
 
     fn clamped(&self, surface: &Surface, at: [f32; 2], halfway: Vector) -> f32 {
@@ -270,6 +279,30 @@ fn power(cosine: f32, exponent: f32) -> f32 {
         bits >>= 1;
     }
     power
+}
+
+/// cos^n of each cosine; what faces away, or is no number, is dark.
+pub(super) fn powers(cosines: &mut [f32], exponent: f32) {
+    cosines.iter_mut().for_each(|cosine| *cosine = cosine.max(0.0));
+    let (eights, rest) = cosines.as_chunks_mut::<8>();
+    let whole = exponent as u32;
+    if whole as f32 != exponent {
+        eights.as_flattened_mut().iter_mut().for_each(|cosine| *cosine = power(*cosine, exponent));
+    } else {
+        for cosines in eights {
+            // As `power` does for one.
+            let (mut square, mut bits) = (*cosines, whole);
+            *cosines = [1.0; 8];
+            while bits > 0 {
+                if bits & 1 == 1 {
+                    cosines.iter_mut().zip(square).for_each(|(power, square)| *power *= square);
+                }
+                square = square.map(|v| v * v);
+                bits >>= 1;
+            }
+        }
+    }
+    rest.iter_mut().for_each(|cosine| *cosine = power(*cosine, exponent));
 }
 
 /// The normal at a place between pixels, whose middles are whole numbers: bilinear between their leans.

@@ -2,109 +2,9 @@
 //! `f32`, which knows whether its colours are sRGB-encoded or linear. Eight bits would not do: dark
 //! colours in linear light need twelve, and every primitive of a chain would round again.
 
+pub(crate) use super::int_rect::IntRect;
 use super::srgb;
-use kurbo::{Affine, Point, Rect};
-
-/// A rectangle of whole pixels: columns [x, x + width), rows [y, y + height).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct IntRect {
-    x: i32,
-    y: i32,
-    width: u32,
-    height: u32,
-}
-
-impl IntRect {
-    /// No edge of a rectangle lies farther out than this, so sums of two never overflow.
-    const FARTHEST: i64 = 1 << 28;
-    pub const EMPTY: IntRect = IntRect { x: 0, y: 0, width: 0, height: 0 };
-
-    pub fn new(x: i32, y: i32, width: u32, height: u32) -> IntRect {
-        let (x, y) = (i64::from(x), i64::from(y));
-        IntRect::from_edges(x, y, x + i64::from(width), y + i64::from(height))
-    }
-
-    /// Columns [left, right), rows [top, bottom); empty where they are not in this order.
-    pub fn from_edges(left: i64, top: i64, right: i64, bottom: i64) -> IntRect {
-        let [left, top, right, bottom] =
-            [left, top, right, bottom].map(|v| v.clamp(-Self::FARTHEST, Self::FARTHEST));
-        if right <= left || bottom <= top {
-            return IntRect::EMPTY;
-        }
-        IntRect { x: left as i32, y: top as i32, width: (right - left) as u32, height: (bottom - top) as u32 }
-    }
-
-    /// All pixels that a rectangle touches.
-    pub fn around(rect: Rect) -> IntRect {
-        // `as` saturates, and takes NaN to 0.
-        IntRect::from_edges(
-            rect.x0.floor() as i64,
-            rect.y0.floor() as i64,
-            rect.x1.ceil() as i64,
-            rect.y1.ceil() as i64,
-        )
-    }
-
-    pub fn x(self) -> i32 {
-        self.x
-    }
-
-    pub fn y(self) -> i32 {
-        self.y
-    }
-
-    pub fn width(self) -> usize {
-        self.width as usize
-    }
-
-    pub fn height(self) -> usize {
-        self.height as usize
-    }
-
-    /// The first column beyond it.
-    pub fn right(self) -> i32 {
-        self.x + self.width as i32
-    }
-
-    /// The first row beyond it.
-    pub fn bottom(self) -> i32 {
-        self.y + self.height as i32
-    }
-
-    pub fn area(self) -> u64 {
-        u64::from(self.width) * u64::from(self.height)
-    }
-
-    pub fn is_empty(self) -> bool {
-        self.width == 0
-    }
-
-    pub fn intersect(self, other: IntRect) -> IntRect {
-        IntRect::from_edges(
-            self.x.max(other.x).into(),
-            self.y.max(other.y).into(),
-            self.right().min(other.right()).into(),
-            self.bottom().min(other.bottom()).into(),
-        )
-    }
-
-    /// Wider by this many columns on either side, higher by this many rows above and below.
-    pub fn grown(self, columns: i64, rows: i64) -> IntRect {
-        if self.is_empty() {
-            return self;
-        }
-        IntRect::from_edges(
-            i64::from(self.x).saturating_sub(columns),
-            i64::from(self.y).saturating_sub(rows),
-            i64::from(self.right()).saturating_add(columns),
-            i64::from(self.bottom()).saturating_add(rows),
-        )
-    }
-
-    pub fn to_rect(self) -> Rect {
-        Rect::new(self.x.into(), self.y.into(), self.right().into(), self.bottom().into())
-    }
-}
+use kurbo::{Affine, Point};
 
 /// How a layer's colours are encoded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -179,7 +79,27 @@ pub(crate) struct Layer {
     pixels: Vec<Pixel>,
 }
 
+/// Adds pixels to some, from sRGB-encoded bytes with straight alpha.
+pub(crate) fn add_rgba8(pixels: &mut Vec<Pixel>, bytes: &[u8]) {
+    // Runs of one colour are the rule in drawings.
+    let (mut known, mut known_pixel) = ([0; 4], CLEAR);
+    let pixel = |&bytes: &[u8; 4]| {
+        if bytes != known {
+            (known, known_pixel) = (bytes, premultiplied(bytes.map(|v| f32::from(v) / 255.0)));
+        }
+        known_pixel
+    };
+    pixels.extend(bytes.as_chunks().0.iter().map(pixel));
+}
+
 impl Layer {
+    /// # Panics
+    /// When there is not exactly one pixel for each of the rectangle.
+    pub fn new(rect: IntRect, space: Space, pixels: Vec<Pixel>) -> Layer {
+        assert_eq!(pixels.len() as u64, rect.area(), "one for each");
+        Layer { rect, space, pixels }
+    }
+
     /// Nothing, over a rectangle.
     pub fn clear(rect: IntRect, space: Space) -> Layer {
         Layer::filled(rect, space, CLEAR)
@@ -195,16 +115,9 @@ impl Layer {
     /// # Panics
     /// When there are not exactly four bytes for every pixel.
     pub fn from_rgba8(rect: IntRect, bytes: &[u8]) -> Layer {
-        assert_eq!(bytes.len() as u64, rect.area() * 4, "four bytes a pixel");
-        // Runs of one colour are the rule in drawings.
-        let (mut known, mut known_pixel) = ([0; 4], CLEAR);
-        let pixel = |&bytes: &[u8; 4]| {
-            if bytes != known {
-                (known, known_pixel) = (bytes, premultiplied(bytes.map(|v| f32::from(v) / 255.0)));
-            }
-            known_pixel
-        };
-        Layer { rect, space: Space::Srgb, pixels: bytes.as_chunks().0.iter().map(pixel).collect() }
+        let mut pixels = Vec::with_capacity(rect.width() * rect.height());
+        add_rgba8(&mut pixels, bytes);
+        Layer::new(rect, Space::Srgb, pixels)
     }
 
     /// sRGB-encoded bytes with straight alpha.
@@ -237,11 +150,20 @@ impl Layer {
         &mut self.pixels
     }
 
+    pub fn into_pixels(self) -> Vec<Pixel> {
+        self.pixels
+    }
+
+    /// Its place and its pixels for another layer, whose colours are encoded so. They are to be overwritten.
+    pub fn taken_for(self, space: Space) -> Layer {
+        Layer { space, ..self }
+    }
+
     /// The pixel in column x and row y of the picture.
     #[inline]
     pub fn pixel(&self, x: i32, y: i32) -> Pixel {
-        let (column, row) = (x.wrapping_sub(self.rect.x) as u32, y.wrapping_sub(self.rect.y) as u32);
-        if column < self.rect.width && row < self.rect.height {
+        let (column, row) = (x.wrapping_sub(self.rect.x()) as u32, y.wrapping_sub(self.rect.y()) as u32);
+        if (column as usize) < self.rect.width() && (row as usize) < self.rect.height() {
             self.pixels[row as usize * self.rect.width() + column as usize]
         } else {
             CLEAR
@@ -253,13 +175,13 @@ impl Layer {
     pub fn row(&self, x: i32, y: i32, count: usize, mut put: impl FnMut(usize, Pixel)) {
         let wanted = IntRect::new(x, y, count as u32, 1);
         let common = wanted.intersect(self.rect);
-        let (mut i, left) = (0, if common.is_empty() { count } else { (common.x - x) as usize });
+        let (mut i, left) = (0, if common.is_empty() { count } else { (common.x() - x) as usize });
         while i < left {
             put(i, CLEAR);
             i += 1;
         }
         if !common.is_empty() {
-            let first = self.index(common.x, y);
+            let first = self.index(common.x(), y);
             for &pixel in &self.pixels[first..first + common.width()] {
                 put(i, pixel);
                 i += 1;
@@ -269,32 +191,41 @@ impl Layer {
     }
 
     /// Row y of a rectangle which lies within this layer's.
+    pub fn span(&self, y: i32, within: IntRect) -> &[Pixel] {
+        let first = self.index(within.x(), y);
+        &self.pixels[first..first + within.width()]
+    }
+
+    /// The same, to be written.
     pub fn span_mut(&mut self, y: i32, within: IntRect) -> &mut [Pixel] {
-        let first = self.index(within.x, y);
+        let first = self.index(within.x(), y);
         &mut self.pixels[first..first + within.width()]
     }
 
     fn index(&self, x: i32, y: i32) -> usize {
-        (y - self.rect.y) as usize * self.rect.width() + (x - self.rect.x) as usize
+        (y - self.rect.y()) as usize * self.rect.width() + (x - self.rect.x()) as usize
     }
 
     /// The same colours in another encoding.
     pub fn into_space(mut self, space: Space) -> Layer {
-        let code = match (self.space, space) {
-            (Space::Srgb, Space::Linear) => srgb::linear_of_encoded,
-            (Space::Linear, Space::Srgb) => srgb::encoded_of_linear,
-            _ => return self,
-        };
+        match (self.space, space) {
+            (Space::Srgb, Space::Linear) => self.recode(srgb::linear_of_encoded),
+            (Space::Linear, Space::Srgb) => self.recode(srgb::encoded_of_linear),
+            _ => {}
+        }
+        self.space = space;
+        self
+    }
+
+    fn recode(&mut self, code: impl Fn(f32) -> f32) {
         // Runs of one colour are the rule in drawings.
         let (mut known, mut known_recoded) = (CLEAR, CLEAR);
         for pixel in &mut self.pixels {
             if *pixel != known {
-                (known, known_recoded) = (*pixel, recoded(*pixel, code));
+                (known, known_recoded) = (*pixel, recoded(*pixel, &code));
             }
             *pixel = known_recoded;
         }
-        self.space = space;
-        self
     }
 
     /// Every pixel by itself; the result is clamped to what a pixel may hold.
@@ -313,6 +244,12 @@ impl Layer {
     pub fn alpha(&self) -> Layer {
         let pixels = self.pixels.iter().map(|p| [0.0, 0.0, 0.0, p[3]]).collect();
         Layer { pixels, ..*self }
+    }
+
+    /// The same.
+    pub fn into_alpha(mut self) -> Layer {
+        self.pixels.iter_mut().for_each(|p| *p = [0.0, 0.0, 0.0, p[3]]);
+        self
     }
 
     /// The same pixels over another rectangle: cut off or clear where this one ends.
@@ -339,26 +276,44 @@ impl Layer {
     /// Moved by whole pixels, then cut to a rectangle.
     pub fn moved_over_rect(&self, dx: i32, dy: i32, rect: IntRect) -> Layer {
         let mut moved = Layer::clear(rect, self.space);
-        let from = IntRect::from_edges(
-            i64::from(self.rect.x) + i64::from(dx),
-            i64::from(self.rect.y) + i64::from(dy),
-            i64::from(self.rect.right()) + i64::from(dx),
-            i64::from(self.rect.bottom()) + i64::from(dy),
-        );
+        let from = self.rect.moved(dx, dy);
         let common = from.intersect(rect);
-        for y in common.y..common.bottom() {
-            let first = (y - from.y) as usize * from.width() + (common.x - from.x) as usize;
+        for y in common.y()..common.bottom() {
+            let first = (y - from.y()) as usize * from.width() + (common.x() - from.x()) as usize;
             moved.span_mut(y, common).copy_from_slice(&self.pixels[first..first + common.width()]);
         }
         moved
     }
 
+    /// Moved by whole pixels, and cut to the rectangle where it was.
+    pub fn moved(mut self, dx: i32, dy: i32) -> Layer {
+        let kept = self.rect.moved(dx, dy).intersect(self.rect);
+        if !kept.is_empty() {
+            // In the order of memory; what comes out at the other side is cleared with the rest.
+            let by = dy as isize * self.rect.width() as isize + dx as isize;
+            let (from, to) = ((-by).max(0) as usize, by.max(0) as usize);
+            let end = self.pixels.len() - to;
+            self.pixels.copy_within(from..end, to);
+        }
+        self.clear_outside(kept);
+        self
+    }
+
     /// Clears all pixels outside a rectangle.
     pub fn clear_outside(&mut self, keep: IntRect) {
-        if keep.intersect(self.rect) == self.rect {
+        let keep = keep.intersect(self.rect);
+        if keep == self.rect {
             return;
         }
-        *self = self.over_rect(keep.intersect(self.rect)).over_rect(self.rect);
+        let (left, right) = (keep.x() - self.rect.x(), keep.right() - self.rect.x());
+        for (y, row) in (self.rect.y()..).zip(self.pixels.chunks_exact_mut(self.rect.width())) {
+            if (keep.y()..keep.bottom()).contains(&y) {
+                row[..left as usize].fill(CLEAR);
+                row[right as usize..].fill(CLEAR);
+            } else {
+                row.fill(CLEAR);
+            }
+        }
     }
 
     /// The picture under a transform, bilinearly between the pixels' centres.
@@ -369,9 +324,9 @@ impl Layer {
         }
         let back = transform.inverse();
         for (row, pixels) in resampled.pixels.chunks_exact_mut(rect.width()).enumerate() {
-            let y = f64::from(rect.y) + row as f64 + 0.5;
+            let y = f64::from(rect.y()) + row as f64 + 0.5;
             for (column, pixel) in pixels.iter_mut().enumerate() {
-                let p = back * Point::new(f64::from(rect.x) + column as f64 + 0.5, y);
+                let p = back * Point::new(f64::from(rect.x()) + column as f64 + 0.5, y);
                 *pixel = self.between(p.x - 0.5, p.y - 0.5);
             }
         }
@@ -415,8 +370,13 @@ fn mix(one: Pixel, other: Pixel, share: f32) -> Pixel {
     std::array::from_fn(|i| one[i] + (other[i] - one[i]) * share)
 }
 
-fn recoded(pixel: Pixel, code: fn(f32) -> f32) -> Pixel {
+#[inline]
+fn recoded(pixel: Pixel, code: impl Fn(f32) -> f32) -> Pixel {
     let [r, g, b, a] = straight(pixel);
+    if r == g && g == b {
+        let grey = code(r) * a;
+        return [grey, grey, grey, a];
+    }
     [code(r) * a, code(g) * a, code(b) * a, a]
 }
 
@@ -466,19 +426,32 @@ mod tests {
     }
 
     #[test]
+    fn a_layer_moved_where_it_is_is_the_same_as_one_moved_into_another() {
+        let layer = chequered();
+        for dx in [-5, -4, -3, -1, 0, 1, 2, 3, 4, i32::MAX] {
+            for dy in [i32::MIN, -3, -2, -1, 0, 1, 2, 3, 7] {
+                let moved = layer.moved_over_rect(dx, dy, layer.rect());
+                assert_eq!(layer.clone().moved(dx, dy), moved, "by {dx}, {dy}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_lies_outside_is_cleared_and_nothing_else() {
+        let layer = chequered();
+        for keep in [IntRect::new(0, 3, 2, 9), IntRect::new(-9, -9, 10, 14), IntRect::EMPTY] {
+            let mut cleared = layer.clone();
+            cleared.clear_outside(keep);
+            assert_eq!(cleared, layer.over_rect(keep).over_rect(layer.rect()), "{keep:?}");
+        }
+    }
+
+    #[test]
     fn a_quarter_turn_resamples_without_loss() {
         let layer = chequered();
         let turn = Affine::new([0.0, 1.0, -1.0, 0.0, 0.0, 0.0]);
         let turned = layer.resampled(turn, IntRect::new(-5, -1, 3, 4));
         assert_eq!(turned.pixel(-3, -1), layer.pixel(-1, 2));
         assert_eq!(turned.resampled(turn.inverse(), layer.rect()), layer);
-    }
-
-    #[test]
-    fn absurd_rectangles_are_cut_or_empty() {
-        assert_eq!(IntRect::new(5, 5, 0, 7), IntRect::EMPTY);
-        assert!(IntRect::new(i32::MAX, i32::MIN, u32::MAX, u32::MAX).is_empty());
-        assert_eq!(IntRect::around(Rect::new(f64::NAN, 0.0, f64::NAN, 1.0)), IntRect::EMPTY);
-        assert!(IntRect::around(Rect::new(-1e300, -1e300, 1e300, 1e300)).width() > 1 << 28);
     }
 }

@@ -3,6 +3,7 @@
 //!
 //! | module | takes → makes |
 //! |---|---|
+//! | `int_rect` | whole pixels → a rectangle of them |
 //! | [`layer`] | pixels over a rectangle of the picture → [`layer::Layer`], sRGB-encoded or linear |
 //! | `srgb` | one component in one encoding → the same in the other |
 //! | [`blend`] | two premultiplied colours → one, by any of CSS's blend modes |
@@ -14,6 +15,7 @@
 pub(crate) mod blend;
 pub(crate) mod filter;
 pub(crate) mod highlights;
+mod int_rect;
 pub(crate) mod layer;
 pub(crate) mod log;
 pub(crate) mod mask;

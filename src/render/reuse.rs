@@ -145,15 +145,17 @@ impl Renderer {
             Some(TilePlan::new(width, prints, by_tiles, shown))
         };
         let buffer = canvas.picture.data_mut();
-        let plan = self.prepare(scene, viewport, plan, |renderer, picture, _| {
+        let plan = self.prepare(scene, viewport, plan, |renderer, picture, bands| {
             let origins = &picture.plan.expect("it was just made").origins;
-            for (tile, origin) in origins.iter().enumerate() {
-                if let Origin::Copied(other) = *origin {
+            let columns = tile_columns(width);
+            for tile in bands.start * columns..bands.end * columns {
+                if let Origin::Copied(other) = origins[tile] {
                     copy(place(tile, width, height), &others[other].picture, buffer);
                 }
             }
-            renderer.bands(picture, height, 0..bands, buffer, stride);
-            Ok(())
+            let rows = &mut buffer[bands.start * BAND_ROWS as usize * stride..];
+            renderer.bands(picture, height, bands.clone(), rows, stride);
+            Ok(bands.end)
         })?;
         let TilePlan { origins, prints, .. } = plan.expect("it was made");
         canvas.prints = prints;

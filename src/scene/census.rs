@@ -9,7 +9,7 @@ use super::raster::{Mask, Raster, RasterGroup, Source};
 use super::{Clip, Geometry, Role, Scene};
 use crate::Error;
 use serde::Serialize;
-use usvg::filter::Kind;
+use usvg::filter::{Kind, Primitive};
 use usvg::tiny_skia_path::PathSegment;
 
 /// How much a scene calls for of everything. How many layers of pixels that takes depends on the method:
@@ -93,16 +93,13 @@ impl Census {
                 self.add(tile)?;
             }
             Source::Group(group) => {
-                let RasterGroup { content, filters, mask, blend_mode, .. } = &**group;
+                let RasterGroup { content, filters, images, mask, blend_mode, .. } = &**group;
                 self.blend_modes += usize::from(*blend_mode != usvg::BlendMode::Normal);
                 self.filters += filters.len();
-                for primitive in filters.iter().flat_map(|filter| filter.primitives()) {
-                    match primitive.kind() {
-                        Kind::SpecularLighting(_) => self.highlights += 1,
-                        Kind::Image(image) => self.add(&Scene::from_group(image.root())?)?,
-                        _ => {}
-                    }
-                }
+                let primitives = filters.iter().flat_map(|filter| filter.primitives());
+                let is_highlight = |p: &&Primitive| matches!(p.kind(), Kind::SpecularLighting(_));
+                self.highlights += primitives.filter(is_highlight).count();
+                images.iter().try_for_each(|image| self.add(image))?;
                 let mut next = mask.as_ref();
                 while let Some(Mask { content, within, .. }) = next {
                     self.masks += 1;

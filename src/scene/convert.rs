@@ -4,7 +4,7 @@
 use super::paint::{Gradient, GradientShape, Paint, Spread, Stop};
 use super::parts::CUT_ID;
 use super::print::{self, Print};
-use super::raster::{Mask, Raster, RasterGroup, Source};
+use super::raster::{image_contents, Mask, Raster, RasterGroup, Source};
 use super::{
     Clip, ClipId, ClipMember, FillRule, Geometry, Group, GroupId, Outline, Role, Scene, Shape, StrokeStyle,
     Warning,
@@ -89,6 +89,8 @@ pub(super) struct Walk {
     pub cuts: Vec<(usize, usize)>,
     /// Images, by their bytes.
     images: HashMap<Arc<Vec<u8>>, Option<Arc<texture::Image>>>,
+    /// What feImages show, by what they refer to in usvg's tree.
+    filter_images: HashMap<usize, Arc<Scene>>,
     /// Rasters around the walk.
     nesting: usize,
     /// Contents of rasters so far.
@@ -115,6 +117,7 @@ impl Default for Walk {
             warnings: Vec::new(),
             cuts: Vec::new(),
             images: HashMap::new(),
+            filter_images: HashMap::new(),
             nesting: 0,
             contents: 0,
             before: 0,
@@ -236,10 +239,12 @@ impl Walk {
             return Ok(());
         }
         let mask = group.mask().map(|mask| self.mask(mask)).transpose()?;
+        let images = self.filter_images(group.filters())?;
         let bounds = rect(group.layer_bounding_box());
         let source = Source::Group(Box::new(RasterGroup {
             content,
             filters: group.filters().to_vec(),
+            images,
             without_front: false,
             mask,
             blend_mode: group.blend_mode(),
@@ -256,6 +261,29 @@ impl Walk {
         let content = self.content(mask.root())?;
         let within = mask.mask().map(|within| self.mask(within)).transpose()?.map(Box::new);
         Ok(Mask { content, rect: rect(mask.rect()), kind: mask.kind(), within })
+    }
+
+    /// What the feImages of filters show, made once for each filter; warns of images in it that cannot be read.
+    fn filter_images(&mut self, filters: &[Arc<usvg::filter::Filter>]) -> Result<Vec<Arc<Scene>>, Error> {
+        let mut images = Vec::new();
+        for filter in filters {
+            for content in image_contents(std::slice::from_ref(filter)) {
+                let key = std::ptr::from_ref(content) as usize;
+                if let Some(known) = self.filter_images.get(&key) {
+                    images.push(known.clone());
+                    continue;
+                }
+                let warnings = std::mem::take(&mut self.warnings);
+                let image = Arc::new(self.content(content)?);
+                let unread = std::mem::replace(&mut self.warnings, warnings);
+                for Warning { kind, .. } in unread {
+                    self.warn_of(kind, format!("the feImage of filter '{}'", filter.id()));
+                }
+                self.filter_images.insert(key, image.clone());
+                images.push(image);
+            }
+        }
+        Ok(images)
     }
 
     /// What a group holds, as a scene of its own.
@@ -276,12 +304,14 @@ impl Walk {
         let mut walk = Walk { nesting: self.nesting + 1, contents: self.contents, ..Walk::default() };
         walk.warnings = std::mem::take(&mut self.warnings);
         walk.images = std::mem::take(&mut self.images);
+        walk.filter_images = std::mem::take(&mut self.filter_images);
         walk.before = self.before + self.shapes.len();
         walk.around = if group.id().is_empty() { self.around.clone() } else { group.id().to_string() };
         let place = Place { transform: Affine::IDENTITY, clip: None, group: 0, depth: 0 };
         let done = group.children().iter().try_for_each(|child| walk.node(child, place));
         self.warnings = std::mem::take(&mut walk.warnings);
         self.images = std::mem::take(&mut walk.images);
+        self.filter_images = std::mem::take(&mut walk.filter_images);
         self.contents = walk.contents;
         done?;
         Ok(walk.into_scene())
@@ -416,11 +446,14 @@ impl Walk {
     }
 
     fn warn(&mut self, kind: &'static str, id: &str) {
+        self.warn_of(kind, self.name(id));
+    }
+
+    fn warn_of(&mut self, kind: &'static str, element: String) {
         if let Some(warning) = self.warnings.iter_mut().find(|w| w.kind == kind) {
             warning.count += 1;
             return;
         }
-        let element = self.name(id);
         self.warnings.push(Warning { kind, element, count: 1 });
     }
 
@@ -441,11 +474,6 @@ impl Walk {
             _ => format!("element '{id}'"),
         }
     }
-}
-
-/// What a group holds, as a scene.
-pub(super) fn content(group: &usvg::Group) -> Result<Scene, Error> {
-    Walk::default().content(group)
 }
 
 /// A scene of these shapes alone.

@@ -237,14 +237,6 @@ impl Scene {
         convert::scene(tree, Some(node))
     }
 
-    /// What a group holds, in the group's own coordinates.
-    ///
-    /// # Errors
-    /// As [`Scene::from_tree`].
-    pub(crate) fn from_group(group: &usvg::Group) -> Result<Scene, Error> {
-        convert::content(group)
-    }
-
     /// A white rectangle.
     pub(crate) fn of_rect(rect: Rect) -> Scene {
         let white = usvg::Color::new_rgb(255, 255, 255);

@@ -6,7 +6,7 @@ use super::Scene;
 use crate::texture;
 use kurbo::{Affine, Rect};
 use std::sync::Arc;
-use usvg::filter::Filter;
+use usvg::filter::{Filter, Kind};
 
 /// Paint that is a picture.
 #[derive(Clone, Debug)]
@@ -52,11 +52,30 @@ pub(crate) struct RasterGroup {
     pub content: Scene,
     /// Applied first, one after the other.
     pub filters: Vec<Arc<Filter>>,
+    /// What their feImages show, in the order of these.
+    pub images: Vec<Arc<Scene>>,
     /// Without what the last filter puts before all else, which is the content as it is.
     pub without_front: bool,
     pub mask: Option<Mask>,
     /// How it meets what lies below it in its scene.
     pub blend_mode: usvg::BlendMode,
+}
+
+impl RasterGroup {
+    /// What an feImage of its filters shows, which refers to this content.
+    pub fn image(&self, content: &usvg::Group) -> Option<&Scene> {
+        let mut images = image_contents(&self.filters).zip(&self.images);
+        images.find(|(of, _)| std::ptr::eq(*of, content)).map(|(_, image)| &**image)
+    }
+}
+
+/// What feImages of filters refer to.
+pub(super) fn image_contents(filters: &[Arc<Filter>]) -> impl Iterator<Item = &usvg::Group> {
+    let primitives = filters.iter().flat_map(|filter| filter.primitives());
+    primitives.filter_map(|primitive| match primitive.kind() {
+        Kind::Image(image) => Some(image.root()),
+        _ => None,
+    })
 }
 
 /// What shows of a group, in the group's own coordinates.

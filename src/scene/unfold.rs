@@ -149,6 +149,7 @@ fn unfold_shape(scene: &mut Scene, shape: Shape) {
                 let filtered = RasterGroup {
                     content: group.content.clone(),
                     filters: filters.to_vec(),
+                    images: group.images.clone(),
                     without_front: group.without_front || simple.is_some(),
                     mask: None,
                     blend_mode: BlendMode::Normal,

@@ -24,16 +24,15 @@ pub(super) fn apply(layer: Layer, fe: &ConvolveMatrix) -> Result<Layer, Error> {
             layer.rect().height()
         )));
     }
-    let rect = layer.rect();
+    let (rect, space) = (layer.rect(), layer.space());
     let (width, height) = (rect.width(), rect.height());
+    let mut seen = layer.into_pixels();
     // With preserveAlpha the kernel sees straight colour.
-    let seen: Vec<Pixel> = if fe.preserve_alpha() {
-        layer.pixels().iter().map(|&p| straight(p)).collect()
-    } else {
-        layer.pixels().to_vec()
-    };
+    if fe.preserve_alpha() {
+        seen.iter_mut().for_each(|pixel| *pixel = straight(*pixel));
+    }
     let (scale, bias) = (1.0 / fe.divisor().get(), fe.bias());
-    let mut made = Layer::clear(rect, layer.space());
+    let mut made = Layer::clear(rect, space);
     let mut sums = vec![CLEAR; width];
     for (y, row) in made.pixels_mut().chunks_exact_mut(width).enumerate() {
         sums.fill(CLEAR);

@@ -8,19 +8,21 @@ use usvg::filter::{ColorChannel, DisplacementMap};
 /// greatest and least colour differ.
 pub(super) fn displaced(
     layer: &Layer,
-    map: &Layer,
+    map: Layer,
     fe: &DisplacementMap,
     (scale_x, scale_y): (f64, f64),
 ) -> Layer {
-    let rect = layer.rect();
-    let mut made = Layer::clear(rect, layer.space());
+    let rect = map.rect();
+    let mut made = map.taken_for(layer.space());
     let (x_channel, y_channel) = (channel(fe.x_channel_selector()), channel(fe.y_channel_selector()));
-    for (i, (to, &pixel)) in made.pixels_mut().iter_mut().zip(map.pixels()).enumerate() {
-        let pixel = straight(pixel);
-        let away = |channel: usize, scale: f64| (f64::from(pixel[channel]) - 0.5) * scale;
-        let x = f64::from(rect.x()) + (i % rect.width()) as f64 + away(x_channel, scale_x);
-        let y = f64::from(rect.y()) + (i / rect.width()) as f64 + away(y_channel, scale_y);
-        *to = layer.between(x, y);
+    for (row, pixels) in made.pixels_mut().chunks_exact_mut(rect.width().max(1)).enumerate() {
+        for (column, pixel) in pixels.iter_mut().enumerate() {
+            let color = straight(*pixel);
+            let away = |channel: usize, scale: f64| (f64::from(color[channel]) - 0.5) * scale;
+            let x = f64::from(rect.x()) + column as f64 + away(x_channel, scale_x);
+            let y = f64::from(rect.y()) + row as f64 + away(y_channel, scale_y);
+            *pixel = layer.between(x, y);
+        }
     }
     made
 }
@@ -34,24 +36,25 @@ fn channel(channel: ColorChannel) -> usize {
     }
 }
 
-/// feTile: the layer's pixels within `tile`, repeated over the whole of it in step with the tile.
-pub(super) fn tiled(layer: &Layer, tile: IntRect) -> Layer {
-    let rect = layer.rect();
-    let mut made = Layer::clear(rect, layer.space());
-    // What of the tile lies outside the layer is clear, and is repeated as such.
-    if tile.intersect(rect).is_empty() {
+/// feTile: the layer's pixels within `tile`, repeated over `region` in step with the tile. What of the tile
+/// lies outside the layer or the region is clear, and is repeated as such.
+pub(super) fn tiled(layer: &Layer, tile: IntRect, region: IntRect) -> Layer {
+    let mut made = Layer::clear(region, layer.space());
+    let seen = tile.intersect(layer.rect()).intersect(region);
+    if seen.is_empty() {
         return made;
     }
     let width = tile.width() as i64;
-    // The tile's columns that the layer has, and where they begin in the row for the first time.
-    let seen = tile.intersect(rect);
-    let columns = (seen.x() - rect.x()) as usize..(seen.right() - rect.x()) as usize;
-    let start = columns.start as i64 - (columns.end as i64 - 1).div_euclid(width) * width;
-    for (row, pixels) in made.pixels_mut().chunks_exact_mut(rect.width().max(1)).enumerate() {
-        let down = (i64::from(rect.y()) + row as i64 - i64::from(tile.y())).rem_euclid(tile.height() as i64);
-        let y = i64::from(tile.y()) + down - i64::from(rect.y());
-        let Some(from) = usize::try_from(y).ok().filter(|y| *y < rect.height()) else { continue };
-        let line = &layer.pixels()[from * rect.width()..][columns.clone()];
+    // Where the tile's columns begin in the row for the first time.
+    let first = i64::from(seen.x() - region.x());
+    let start = first - (first + seen.width() as i64 - 1).div_euclid(width) * width;
+    for (row, pixels) in made.pixels_mut().chunks_exact_mut(region.width()).enumerate() {
+        let below = i64::from(region.y()) + row as i64 - i64::from(tile.y());
+        let y = tile.y() + below.rem_euclid(tile.height() as i64) as i32;
+        if !(seen.y()..seen.bottom()).contains(&y) {
+            continue;
+        }
+        let line = layer.span(y, seen);
         let mut at = start;
         while at < pixels.len() as i64 {
             // Its first repetition may begin left of the row.
@@ -80,7 +83,7 @@ mod tests {
                 layer.pixels_mut()[y as usize * width + (x + 2) as usize] = mark(x, y);
             }
         }
-        let tiled = tiled(&layer, IntRect::new(1, 3, 3, 2));
+        let tiled = tiled(&layer, IntRect::new(1, 3, 3, 2), layer.rect());
         for y in 0..7 {
             for x in -2..7 {
                 let wanted = mark(1 + (x - 1i32).rem_euclid(3), 3 + (y - 3i32).rem_euclid(2));

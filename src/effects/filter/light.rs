@@ -3,10 +3,11 @@
 //! distances are pixels, the layer's border has normals of its own.
 
 use super::Job;
-use crate::effects::highlights::{Aliasing, Phong};
+use crate::effects::highlights::{powers, Aliasing, Phong};
 use crate::effects::layer::{pixel_of, unit, IntRect, Layer, Pixel, Space};
 use crate::effects::log::LitSurface;
 use kurbo::{Affine, Point};
+use std::rc::Rc;
 use usvg::filter::{DiffuseLighting, LightSource, SpecularLighting};
 
 /// A vector: right, down, towards the eye.
@@ -29,108 +30,201 @@ pub(in crate::effects) fn normalized(v: Vector) -> Vector {
 }
 
 /// feDiffuseLighting: opaque.
-pub(super) fn diffuse(heights: &Layer, fe: &DiffuseLighting, space: Space, to_pixels: Affine) -> Layer {
+pub(super) fn diffuse(input: Rc<Layer>, fe: &DiffuseLighting, space: Space, to_pixels: Affine) -> Layer {
+    let heights = Heights::of(&input, fe.surface_scale());
     let light = Light::new(fe.light_source(), to_pixels);
-    let surface = Surface::new(heights, fe.surface_scale());
     let color = pixel_of(fe.lighting_color(), 1.0, space);
-    lit(&surface, &light, space, |column, row, to_light, lightness| {
-        let facing = dot(surface.normal(column, row), to_light);
-        let strength = fe.diffuse_constant() * facing * lightness;
-        let [r, g, b] = [color[0], color[1], color[2]].map(|c| unit(c * strength));
+    let shown = |share: f32| {
+        let strength = fe.diffuse_constant() * share;
+        let [r, g, b, _] = color.map(|c| unit(c * strength));
         [r, g, b, 1.0]
-    })
+    };
+    lit((&heights, input), &light, space, |_, row| row.face(), shown)
 }
 
 /// feSpecularLighting, of the filter with this id: as opaque as it is bright.
 pub(super) fn specular(
-    heights: &Layer,
+    input: Rc<Layer>,
     fe: &SpecularLighting,
     space: Space,
     (filter, job): (&str, &Job),
 ) -> Layer {
+    let heights = Heights::of(&input, fe.surface_scale());
     let light = Light::new(fe.light_source(), job.to_canvas);
-    let surface = Surface::new(heights, fe.surface_scale());
     if job.log.is_timed() {
-        let aliasing = Aliasing::of(&surface, fe.specular_exponent(), job.highlights);
+        let aliasing = Aliasing::of(&Surface::of(&heights), fe.specular_exponent(), job.highlights);
         job.log.lit(LitSurface {
             filter: filter.to_string(),
             exponent: fe.specular_exponent(),
-            pixels: surface.rect.area(),
+            pixels: heights.rect.area(),
             aliasing: aliasing.pixels,
             sampling_rate: aliasing.sampling_rate,
         });
     }
     let color = pixel_of(fe.lighting_color(), 1.0, space);
-    let phong = Phong::new(fe.specular_exponent(), job.highlights);
-    lit(&surface, &light, space, |column, row, to_light, lightness| {
-        let halfway = normalized([to_light[0], to_light[1], to_light[2] + 1.0]);
-        let shine = phong.at(&surface, column, row, halfway);
-        let strength = fe.specular_constant() * shine * lightness;
-        let [r, g, b] = [color[0], color[1], color[2]].map(|c| unit(c * strength));
+    let shown = |share: f32| {
+        let strength = fe.specular_constant() * share;
+        let [r, g, b, _] = color.map(|c| unit(c * strength));
         [r, g, b, r.max(g).max(b)]
-    })
+    };
+    let phong = Phong::new(fe.specular_exponent(), job.highlights);
+    let surface = phong.cures().then(|| Surface::of(&heights));
+    let shade = |number: usize, row: &mut Row| {
+        row.turn_halfway();
+        row.face();
+        powers(&mut row.shares, fe.specular_exponent());
+        let Some(surface) = &surface else { return };
+        for column in 0..surface.width() {
+            let halfway = normalized(row.toward.each_ref().map(|v| v[column]));
+            if let Some(cured) = phong.cured(surface, column, number, halfway) {
+                row.shares[column] = cured;
+            }
+        }
+    };
+    lit((&heights, input), &light, space, shade, shown)
 }
 
-/// Calls `shade` on every pixel: column, row, the direction towards the light, and how much of the
-/// light's colour comes from there.
+/// Lights a surface row by row: `shade` makes the shares of its light that a row sends to the eye, `shown` the
+/// colour of a share. The pixels are in the place of those that the heights were read from, if nobody else looks at these.
 fn lit(
-    surface: &Surface,
+    (heights, input): (&Heights, Rc<Layer>),
     light: &Light,
     space: Space,
-    shade: impl Fn(usize, usize, Vector, f32) -> Pixel,
+    shade: impl Fn(usize, &mut Row),
+    shown: impl Fn(f32) -> Pixel,
 ) -> Layer {
-    let rect = surface.rect;
-    let mut layer = Layer::clear(rect, space);
+    let rect = heights.rect;
     // Without a pixel that has neighbours on all sides there is no surface to speak of.
     if rect.width() < 3 || rect.height() < 3 {
-        return layer;
+        return Layer::clear(rect, space);
     }
-    for (row, pixels) in layer.pixels_mut().chunks_exact_mut(rect.width()).enumerate() {
-        for (column, pixel) in pixels.iter_mut().enumerate() {
-            let (x, y) = (rect.x() as f32 + column as f32, rect.y() as f32 + row as f32);
-            let to_light = light.direction([x, y, surface.height(column, row)]);
-            *pixel = shade(column, row, to_light, light.strength(to_light));
+    let mut layer = match Rc::try_unwrap(input) {
+        Ok(own) => own.taken_for(space),
+        Err(_) => Layer::clear(rect, space),
+    };
+    let mut row = Row::new(rect.width());
+    for (number, pixels) in layer.pixels_mut().chunks_exact_mut(rect.width()).enumerate() {
+        heights.leans(number, &mut row.leans);
+        light.shine_on(heights, number, &mut row);
+        shade(number, &mut row);
+        for ((pixel, &share), &lightness) in pixels.iter_mut().zip(&row.shares).zip(&row.lightness) {
+            *pixel = shown(share * lightness);
         }
     }
     layer
 }
 
-/// A height map and its slopes.
+/// One row of a surface and the light on it, in step.
+struct Row {
+    /// How much the normals lean right and down, for one unit towards the eye.
+    leans: [Vec<f32>; 2],
+    /// Towards the light, or halfway between light and eye; of any length.
+    toward: [Vec<f32>; 3],
+    /// How much of the light's colour comes from there.
+    lightness: Vec<f32>,
+    /// The share of it that the surface sends to the eye.
+    shares: Vec<f32>,
+}
+
+impl Row {
+    fn new(width: usize) -> Row {
+        let zeros = || vec![0.0; width];
+        Row {
+            leans: [zeros(), zeros()],
+            toward: [zeros(), zeros(), zeros()],
+            lightness: vec![1.0; width],
+            shares: zeros(),
+        }
+    }
+
+    /// From towards the light to halfway between light and eye.
+    fn turn_halfway(&mut self) {
+        let [x, y, z] = &mut self.toward;
+        for ((x, y), z) in x.iter().zip(&*y).zip(z) {
+            *z += (x * x + y * y + *z * *z).sqrt();
+        }
+    }
+
+    /// Shares are the cosines between the normals and what they are to face; no number where that has no
+    /// length.
+    fn face(&mut self) {
+        let ([across, down], [x, y, z]) = (&self.leans, &self.toward);
+        let normals = across.iter().zip(down);
+        let toward = x.iter().zip(y).zip(z);
+        for ((share, (&a, &d)), ((&x, &y), &z)) in self.shares.iter_mut().zip(normals).zip(toward) {
+            // One root and one division for both lengths.
+            let lengths = (a * a + d * d + 1.0) * (x * x + y * y + z * z);
+            *share = (a * x + d * y + z) / lengths.sqrt();
+        }
+    }
+}
+
+/// A height map.
 ///
 /// SVG's kernels are the plane of least squares through a pixel and its neighbours, weighted 1 2 1 across
 /// and down, at twice its slope: the normal over a spot as Worley has it, not a difference at one point.
 /// Where the heights are an image made smaller they are means already, and the plane is that through all
 /// of the image under the spot.
+struct Heights {
+    rect: IntRect,
+    /// In pixels, row by row.
+    values: Vec<f32>,
+}
+
+impl Heights {
+    fn of(layer: &Layer, scale: f32) -> Heights {
+        Heights { rect: layer.rect(), values: layer.pixels().iter().map(|p| p[3] * scale).collect() }
+    }
+
+    fn row(&self, number: usize) -> &[f32] {
+        &self.values[number * self.rect.width()..][..self.rect.width()]
+    }
+
+    /// How much the normals of a row lean right and down, for one unit towards the eye.
+    fn leans(&self, row: usize, [across, down]: &mut [Vec<f32>; 2]) {
+        let width = self.rect.width();
+        let lines = Lines::around(row, self.rect.height());
+        let rows = lines.numbers.map(|row| self.row(row));
+        for column in [0, width - 1] {
+            [across[column], down[column]] = lean(rows, &lines, &Lines::around(column, width));
+        }
+        if width < 3 {
+            return;
+        }
+        // All others have the same weights.
+        let inside = Lines::around(1, 3);
+        let columns = across[1..width - 1].iter_mut().zip(&mut down[1..width - 1]);
+        let [above, own, below] = rows.map(|row| row.windows(3));
+        for ((across, down), ((above, own), below)) in columns.zip(above.zip(own).zip(below)) {
+            [*across, *down] = lean([above, own, below], &lines, &inside);
+        }
+    }
+}
+
+/// The slopes of a height map.
 pub(in crate::effects) struct Surface {
     rect: IntRect,
-    heights: Vec<f32>,
     /// How much the normal leans right and down, for one unit towards the eye.
     leans: Vec<[f32; 2]>,
 }
 
 impl Surface {
-    fn new(layer: &Layer, scale: f32) -> Surface {
-        let heights: Vec<f32> = layer.pixels().iter().map(|p| p[3] * scale).collect();
-        let (width, height) = (layer.rect().width(), layer.rect().height());
-        let mut leans = vec![[0.0; 2]; heights.len()];
-        for (row, leans) in leans.chunks_exact_mut(width.max(1)).enumerate() {
-            let down = Lines::around(row, height);
-            let rows = down.numbers.map(|row| &heights[row * width..][..width]);
-            let (first, last) = (Lines::around(0, width), Lines::around(width - 1, width));
-            leans[0] = lean(rows, &down, &first);
-            leans[width - 1] = lean(rows, &down, &last);
-            for (column, lean_to) in leans.iter_mut().enumerate().take(width - 1).skip(1) {
-                *lean_to = lean(rows, &down, &Lines::around(column, width));
-            }
+    fn of(heights: &Heights) -> Surface {
+        let rect = heights.rect;
+        let mut row = [vec![0.0; rect.width()], vec![0.0; rect.width()]];
+        let mut leans = Vec::with_capacity(heights.values.len());
+        for number in 0..rect.height() {
+            heights.leans(number, &mut row);
+            leans.extend(row[0].iter().zip(&row[1]).map(|(&across, &down)| [across, down]));
         }
-        Surface { rect: layer.rect(), heights, leans }
+        Surface { rect, leans }
     }
 
     /// A surface of given leans, row by row.
     #[cfg(test)]
     pub fn leaning(width: usize, leans: Vec<[f32; 2]>) -> Surface {
         let rect = IntRect::new(0, 0, width as u32, (leans.len() / width) as u32);
-        Surface { rect, heights: vec![0.0; leans.len()], leans }
+        Surface { rect, leans }
     }
 
     pub fn width(&self) -> usize {
@@ -139,10 +233,6 @@ impl Surface {
 
     pub fn rows(&self) -> usize {
         self.rect.height()
-    }
-
-    fn height(&self, column: usize, row: usize) -> f32 {
-        self.heights[row * self.rect.width() + column]
     }
 
     #[inline]
@@ -240,15 +330,31 @@ impl Light {
         }
     }
 
-    /// From a place on the surface towards the light, of length 1.
-    fn direction(&self, from: Vector) -> Vector {
+    /// Says where the light of a row of the surface comes from, and how much of it.
+    fn shine_on(&self, heights: &Heights, number: usize, row: &mut Row) {
+        let rect = heights.rect;
+        let [x, y, z] = &mut row.toward;
         match self {
-            Light::Distant(direction) => *direction,
-            Light::Point(at) | Light::Spot { at, .. } => normalized(std::array::from_fn(|i| at[i] - from[i])),
+            Light::Distant(direction) => {
+                x.fill(direction[0]);
+                y.fill(direction[1]);
+                z.fill(direction[2]);
+            }
+            Light::Point(at) | Light::Spot { at, .. } => {
+                let left = rect.x() as f32;
+                x.iter_mut().enumerate().for_each(|(column, x)| *x = at[0] - (left + column as f32));
+                y.fill(at[1] - (rect.y() as f32 + number as f32));
+                z.iter_mut().zip(heights.row(number)).for_each(|(z, height)| *z = at[2] - height);
+            }
+        }
+        if let Light::Spot { .. } = self {
+            for (column, lightness) in row.lightness.iter_mut().enumerate() {
+                *lightness = self.strength(normalized([x[column], y[column], z[column]]));
+            }
         }
     }
 
-    /// The share of its colour that goes the opposite way.
+    /// The share of its colour that goes the opposite way of this one, of length 1.
     fn strength(&self, to_light: Vector) -> f32 {
         let Light::Spot { direction, exponent, least_cosine, .. } = self else {
             return 1.0;
@@ -276,7 +382,7 @@ mod tests {
 
     #[test]
     fn a_plane_has_one_normal_up_to_its_borders() {
-        let surface = Surface::new(&slope(), 1.0);
+        let surface = Surface::of(&Heights::of(&slope(), 1.0));
         for row in 0..5 {
             for column in 0..5 {
                 let [x, y] = surface.lean(column, row);
@@ -311,7 +417,7 @@ mod tests {
         for (i, pixel) in layer.pixels_mut().iter_mut().enumerate() {
             pixel[3] = ((i * 37 + i * i * 11) % 64) as f32 / 64.0;
         }
-        let surface = Surface::new(&layer, 1.0);
+        let surface = Surface::of(&Heights::of(&layer, 1.0));
         for row in 0..4i32 {
             for column in 0..5i32 {
                 let mut points = Vec::new();
@@ -344,7 +450,7 @@ mod tests {
         let height = |x: usize, y: usize| f64::from(image.bytes()[(y * side + x) * 4 + 3]) / 255.0;
         let small = IntRect::new(0, 0, 8, 8);
         let heights = crate::texture::drawn(&image, Affine::scale(1.0 / TEXELS as f64), small, false);
-        let surface = Surface::new(&heights, 1.0);
+        let surface = Surface::of(&Heights::of(&heights, 1.0));
         let (column, row) = (4usize, 3usize);
         // All texels under the 3 x 3 pixels, each with its pixel's weight.
         let mut points = Vec::new();
@@ -367,11 +473,19 @@ mod tests {
 
     #[test]
     fn a_flat_surface_is_as_bright_as_the_light_stands_high() {
-        let surface = Surface::new(&Layer::clear(IntRect::new(0, 0, 3, 3), Space::Srgb), 1.0);
+        let flat = Rc::new(Layer::clear(IntRect::new(0, 0, 3, 3), Space::Srgb));
+        let heights = Heights::of(&flat, 1.0);
         let light = Light::Distant([0.6, 0.0, 0.8]);
-        let lit = lit(&surface, &light, Space::Srgb, |column, row, to_light, strength| {
-            [dot(surface.normal(column, row), to_light) * strength, 0.0, 0.0, 1.0]
-        });
+        let lit = lit((&heights, flat), &light, Space::Srgb, |_, row| row.face(), |share| [share; 4]);
         assert!(lit.pixels().iter().all(|p| (p[0] - 0.8).abs() < 1e-6));
+    }
+
+    #[test]
+    fn a_place_the_light_touches_is_dark_and_no_nan() {
+        let flat = Rc::new(Layer::clear(IntRect::new(0, 0, 3, 3), Space::Srgb));
+        let heights = Heights::of(&flat, 1.0);
+        let light = Light::Point([1.0, 1.0, 0.0]);
+        let lit = lit((&heights, flat), &light, Space::Srgb, |_, row| row.face(), |share| [unit(share); 4]);
+        assert_eq!(lit.pixel(1, 1), [0.0; 4]);
     }
 }

@@ -9,6 +9,7 @@
 //! | `combine` | feBlend, feComposite, feMerge |
 //! | `convolve` | feConvolveMatrix |
 //! | `displace` | feDisplacementMap, feTile |
+//! | `flow` | which results each primitive looks at, and at which of their pixels |
 //! | `light` | feDiffuseLighting, feSpecularLighting |
 //! | `morphology` | feMorphology |
 //! | [`pointwise`] | filters that need no pixels, or not for what they filter |
@@ -17,14 +18,15 @@
 //!
 //! To run a group's filters: [`region::Canvas::new`] of its transform; [`region::regions`] for the
 //! canvas's part that the picture shows; [`affordable`]; draw the group's content under `to_canvas`
-//! over the first region; [`apply`]; [`region::Canvas::shown`]. Primitives whose results nobody looks
-//! at are not run.
+//! over [`source_rect`]; [`apply`]; [`region::Canvas::shown`]. Primitives whose results nobody looks
+//! at are not run, and a result lasts until the last one that looks at it, which works in its place.
 
 mod blur;
 mod color;
 mod combine;
 mod convolve;
 mod displace;
+mod flow;
 pub(super) mod light;
 mod lines;
 mod morphology;
@@ -39,12 +41,12 @@ use crate::effects::highlights::Highlights;
 use crate::effects::layer::{pixel_of, IntRect, Layer, Pixel, Space};
 use crate::effects::log::Log;
 use crate::Error;
+use flow::{Flow, Needed, Origin, Uses};
 use kurbo::{Affine, Rect};
 use region::{pixels_of, scales, LAST_BITS};
-use std::collections::HashMap;
 use std::rc::Rc;
 use std::sync::Arc;
-use usvg::filter::{DropShadow, Filter, Image, Input, Kind, Primitive};
+use usvg::filter::{DropShadow, Filter, Image, Kind, Merge, Primitive};
 
 /// Draws what an feImage refers to: the group, the transform from its coordinates to pixels, and the
 /// pixels to draw over.
@@ -80,7 +82,7 @@ pub(crate) fn apply(
 ) -> Result<Layer, Error> {
     affordable(filters, regions)?;
     for (filter, &region) in filters.iter().zip(regions) {
-        layer = Run::new(filter, region, layer).run(job)?;
+        layer = Run::new(filter, region, layer, job.to_canvas).run(job)?;
     }
     Ok(layer.into_space(Space::Srgb))
 }
@@ -105,8 +107,14 @@ pub(crate) fn affordable(filters: &[Arc<Filter>], regions: &[IntRect]) -> Result
 
 /// Pixels that a filter holds at once, at most.
 pub(crate) fn held_pixels(filter: &Filter, region: IntRect) -> u64 {
-    let (_, last_use) = origins_and_last_use(filter.primitives());
-    region.area().saturating_mul(most_layers(&last_use) as u64)
+    region.area().saturating_mul(Flow::of(filter.primitives()).most_layers() as u64)
+}
+
+/// The pixels of its source that a filter looks at when it is run over a region.
+pub(crate) fn source_rect(filter: &Filter, region: IntRect, to_canvas: Affine) -> IntRect {
+    let primitives = filter.primitives();
+    let flow = Flow::of(primitives);
+    flow.needed(primitives, &flow.subregions(primitives, to_canvas), region, to_canvas).source
 }
 
 /// A primitive that is run.
@@ -119,12 +127,12 @@ pub(crate) struct Step {
 /// The primitives of a filter that are run, in order.
 pub(crate) fn passes(filter: &Filter) -> Vec<Step> {
     let primitives = filter.primitives();
-    let (origins, _) = origins_and_last_use(primitives);
-    let is_run = |number: &usize| origins[*number].is_some();
+    let flow = Flow::of(primitives);
+    let is_run = |number: &usize| flow.calls_for(*number);
     let step = |number: usize| {
         let kind = primitives[number].kind();
         let is_table = matches!(kind, Kind::ComponentTransfer(_));
-        let is_table_over_noise = is_table && way_to_noise(primitives, &origins, number).is_some();
+        let is_table_over_noise = is_table && way_to_noise(primitives, &flow, number).is_some();
         Step { name: name(kind), is_table_over_noise }
     };
     (0..primitives.len()).filter(is_run).map(step).collect()
@@ -132,14 +140,10 @@ pub(crate) fn passes(filter: &Filter) -> Vec<Step> {
 
 /// The primitives that a primitive's input goes back through to noise, if there are none but colour matrices between:
 /// the nearest first, feTurbulence last.
-fn way_to_noise(
-    primitives: &[Primitive],
-    origins: &[Option<Vec<Origin>>],
-    number: usize,
-) -> Option<Vec<usize>> {
+fn way_to_noise(primitives: &[Primitive], flow: &Flow, number: usize) -> Option<Vec<usize>> {
     let (mut way, mut at) = (Vec::new(), number);
     loop {
-        let &[Origin::Result(of)] = origins[at].as_deref()? else { return None };
+        let &[Origin::Result(of)] = flow.inputs(at) else { return None };
         way.push(of);
         match primitives[of].kind() {
             Kind::ColorMatrix(_) => at = of,
@@ -172,49 +176,36 @@ fn name(kind: &Kind) -> &'static str {
     }
 }
 
-/// What a primitive made.
-#[derive(Clone)]
-struct Made {
-    layer: Rc<Layer>,
-    /// Where it has anything: feTile's tile.
-    region: IntRect,
-}
-
-/// Where an input comes from.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Origin {
-    Source,
-    SourceAlpha,
-    /// The result of the primitive with this number.
-    Result(usize),
-}
-
 /// One filter at work.
 struct Run<'a> {
     filter: &'a Filter,
     region: IntRect,
-    source: Rc<Layer>,
+    flow: Flow,
+    subregions: Vec<IntRect>,
+    needed: Needed,
+    uses: Uses,
+    /// While somebody still looks at it, as all of these.
+    source: Option<Rc<Layer>>,
     source_alpha: Option<Rc<Layer>>,
-    /// Of each primitive that is called for, its inputs in order.
-    origins: Vec<Option<Vec<Origin>>>,
-    /// Of each primitive, the last one that looks at its result.
-    last_use: Vec<usize>,
-    /// Results, while somebody still looks at them.
-    results: Vec<Option<Made>>,
+    results: Vec<Option<Rc<Layer>>>,
 }
 
 impl<'a> Run<'a> {
-    fn new(filter: &'a Filter, region: IntRect, source: Layer) -> Run<'a> {
+    fn new(filter: &'a Filter, region: IntRect, source: Layer, to_canvas: Affine) -> Run<'a> {
         let primitives = filter.primitives();
-        let (origins, last_use) = origins_and_last_use(primitives);
+        let flow = Flow::of(primitives);
+        let subregions = flow.subregions(primitives, to_canvas);
+        let needed = flow.needed(primitives, &subregions, region, to_canvas);
         Run {
             filter,
             region,
-            source: Rc::new(source.into_rect(region)),
+            uses: flow.uses(),
+            source: Some(Rc::new(source.into_rect(needed.source))),
             source_alpha: None,
-            origins,
-            last_use,
             results: vec![None; primitives.len()],
+            flow,
+            subregions,
+            needed,
         }
     }
 
@@ -224,61 +215,45 @@ impl<'a> Run<'a> {
             return Ok(Layer::clear(IntRect::EMPTY, Space::Srgb));
         }
         for (number, primitive) in filter.primitives().iter().enumerate() {
-            if self.origins[number].is_some() {
+            if self.flow.calls_for(number) {
                 let log = job.log;
                 let made = log.run(name(primitive.kind()), || self.primitive(number, primitive, job))?;
-                self.results[number] = Some(made);
+                self.results[number] = Some(Rc::new(made));
             }
         }
         // usvg gives no filter without primitives.
-        let last = self.results.pop().flatten().map(|made| Rc::unwrap_or_clone(made.layer));
+        let last = self.results.pop().flatten().map(Rc::unwrap_or_clone);
         Ok(last.unwrap_or_else(|| Layer::clear(self.region, Space::Srgb)))
     }
 
-    fn primitive(&mut self, number: usize, primitive: &Primitive, job: &mut Job) -> Result<Made, Error> {
-        let mut subregion = pixels_of(primitive.rect(), job.to_canvas);
-        // An feOffset is where its input is, and is not cut: what it moves may leave it.
-        let offset = matches!(primitive.kind(), Kind::Offset(_));
-        if offset {
-            if let Some(Origin::Result(of)) = self.origins(number).first() {
-                if let Some(made) = &self.results[*of] {
-                    subregion = made.region;
-                }
-            }
+    /// The primitive's result, over the pixels that are looked at.
+    fn primitive(&mut self, number: usize, primitive: &Primitive, job: &mut Job) -> Result<Layer, Error> {
+        let mut layer = self.layer(number, primitive, job)?;
+        // What an feOffset moves may leave where its input is.
+        if !matches!(primitive.kind(), Kind::Offset(_)) {
+            layer.clear_outside(self.subregions[number]);
         }
-        let mut layer = self.layer(number, primitive, subregion, job)?;
-        debug_assert_eq!(layer.rect(), self.region);
-        if !offset {
-            layer.clear_outside(subregion);
-        }
-        Ok(Made { layer: Rc::new(layer), region: subregion })
+        Ok(layer.into_rect(self.needed.results[number]))
     }
 
     /// The primitive's result before it is cut to its subregion.
-    fn layer(
-        &mut self,
-        number: usize,
-        primitive: &Primitive,
-        subregion: IntRect,
-        job: &mut Job,
-    ) -> Result<Layer, Error> {
+    fn layer(&mut self, number: usize, primitive: &Primitive, job: &mut Job) -> Result<Layer, Error> {
         let space = Space::from(primitive.color_interpolation());
+        let (subregion, needed) = (self.subregions[number], self.needed.results[number]);
         let to_canvas = job.to_canvas;
         let (sx, sy) = scales(to_canvas);
         let sized = |x: f32, y: f32| (f64::from(x) * sx, f64::from(y) * sy);
+        let is_cut = job.without_front && number + 1 == self.results.len();
         Ok(match primitive.kind() {
             Kind::GaussianBlur(fe) => blur::gaussian(
                 self.input_in(number, 0, space),
                 sized(fe.std_dev_x().get(), fe.std_dev_y().get()),
             ),
-            Kind::DropShadow(fe) => {
-                let shown = !(job.without_front && number + 1 == self.origins.len());
-                self.drop_shadow(fe, number, space, (sx, sy), shown)
-            }
+            Kind::DropShadow(fe) => self.drop_shadow(fe, number, space, (sx, sy), !is_cut),
             Kind::Offset(fe) => self.offset(number, sized(fe.dx(), fe.dy())),
             Kind::Flood(fe) => {
                 let color = pixel_of(fe.color(), fe.opacity().get(), Space::Srgb);
-                Layer::filled(self.region, Space::Srgb, color)
+                Layer::filled(subregion.intersect(needed), Space::Srgb, color).into_rect(needed)
             }
             Kind::Blend(fe) => {
                 let (upper, lower) = self.inputs_in(number, space);
@@ -288,14 +263,7 @@ impl<'a> Run<'a> {
                 let (upper, lower) = self.inputs_in(number, space);
                 combine::composite(fe.operator(), &upper, lower)
             }
-            Kind::Merge(fe) => {
-                let mut merged = Layer::clear(self.region, space);
-                let is_cut = job.without_front && number + 1 == self.origins.len();
-                for i in 0..fe.inputs().len() - usize::from(is_cut) {
-                    merged = combine::merged(&self.input_in(number, i, space), merged);
-                }
-                merged
-            }
+            Kind::Merge(fe) => self.merge(fe, number, space, is_cut),
             Kind::ColorMatrix(fe) => color::matrix(self.input_in(number, 0, space), fe.kind()),
             Kind::ComponentTransfer(fe) => match self.noise_corners(number, space, job) {
                 None => color::transfer(self.input_in(number, 0, space), fe),
@@ -305,8 +273,8 @@ impl<'a> Run<'a> {
             },
             Kind::ConvolveMatrix(fe) => {
                 // Its edges are those of the subregion.
-                let within = self.input_in(number, 0, space).over_rect(subregion.intersect(self.region));
-                convolve::apply(within, fe)?.over_rect(self.region)
+                let within = self.input_in(number, 0, space).into_rect(subregion.intersect(self.region));
+                convolve::apply(within, fe)?.into_rect(self.region)
             }
             Kind::Morphology(fe) => morphology::apply(
                 self.input_in(number, 0, space),
@@ -315,58 +283,71 @@ impl<'a> Run<'a> {
             ),
             Kind::DisplacementMap(fe) => {
                 // The space is the map's; what is displaced stays in its own.
-                let layer = self.input(number, 0).layer;
+                let layer = self.input(number, 0);
                 let map = self.input_in(number, 1, space);
-                displace::displaced(&layer, &map, fe, sized(fe.scale(), fe.scale()))
+                displace::displaced(&layer, map, fe, sized(fe.scale(), fe.scale()))
             }
             Kind::Tile(_) => {
-                let input = self.input(number, 0);
-                displace::tiled(&input.layer, input.region)
+                let tile = match self.flow.inputs(number) {
+                    &[Origin::Result(of)] => self.subregions[of],
+                    _ => self.region,
+                };
+                displace::tiled(&self.input(number, 0), tile, self.region)
             }
-            Kind::Turbulence(fe) => {
-                turbulence::noise(fe, space, self.region, to_canvas, user_rect(primitive))
+            Kind::Turbulence(fe) => turbulence::noise(fe, space, needed, to_canvas, user_rect(primitive)),
+            Kind::DiffuseLighting(fe) => {
+                light::diffuse(self.input_over_region(number, 0), fe, space, to_canvas)
             }
-            Kind::DiffuseLighting(fe) => light::diffuse(&self.input(number, 0).layer, fe, space, to_canvas),
             Kind::SpecularLighting(fe) => {
-                light::specular(&self.input(number, 0).layer, fe, space, (self.filter.id(), job))
+                let heights = self.input_over_region(number, 0);
+                light::specular(heights, fe, space, (self.filter.id(), job))
             }
-            Kind::Image(fe) => self.image(fe, subregion, job)?,
+            Kind::Image(fe) => self.image(fe, number, job)?,
         })
     }
 
-    fn origins(&self, number: usize) -> &[Origin] {
-        self.origins[number].as_deref().unwrap_or_default()
+    /// An input as it is, over the pixels of it that are looked at. Each is asked for once: the last to look
+    /// at a layer takes it, and may work in its place.
+    fn input(&mut self, number: usize, which: usize) -> Rc<Layer> {
+        let Run { uses, source, source_alpha, results, .. } = self;
+        match self.flow.inputs(number)[which] {
+            Origin::Source => looked_at(source, &mut uses.source),
+            Origin::SourceAlpha => {
+                source_alpha.get_or_insert_with(|| {
+                    let source = looked_at(source, &mut uses.source);
+                    Rc::new(Rc::try_unwrap(source).map_or_else(|shared| shared.alpha(), Layer::into_alpha))
+                });
+                looked_at(source_alpha, &mut uses.source_alpha)
+            }
+            Origin::Result(of) => looked_at(&mut results[of], &mut uses.results[of]),
+        }
     }
 
-    /// An input as it is. Inputs are asked for in their order, each once.
-    fn input(&mut self, number: usize, which: usize) -> Made {
-        let made = |layer: &Rc<Layer>, region| Made { layer: layer.clone(), region };
-        let origin = self.origins(number)[which];
-        let later = self.origins(number)[which + 1..].contains(&origin);
-        match origin {
-            Origin::Source => made(&self.source, self.region),
-            Origin::SourceAlpha => {
-                let alpha = self.source_alpha.get_or_insert_with(|| Rc::new(self.source.alpha()));
-                made(alpha, self.region)
-            }
-            Origin::Result(of) => {
-                // The last to look at a result takes it, and may work in its place.
-                let last = self.last_use[of] == number && !later;
-                let result = &mut self.results[of];
-                let result = if last { result.take() } else { result.clone() };
-                result.unwrap_or_else(|| made(&self.source, self.region))
-            }
+    fn input_over_region(&mut self, number: usize, which: usize) -> Rc<Layer> {
+        let input = self.input(number, which);
+        match input.rect() == self.region {
+            true => input,
+            false => Rc::new(input.over_rect(self.region)),
+        }
+    }
+
+    /// An input to be looked at.
+    fn seen_in(&mut self, number: usize, which: usize, space: Space) -> Rc<Layer> {
+        let input = self.input_over_region(number, which);
+        match input.space() == space {
+            true => input,
+            false => Rc::new(Rc::unwrap_or_clone(input).into_space(space)),
         }
     }
 
     /// An input to be worked on.
     fn input_in(&mut self, number: usize, which: usize, space: Space) -> Layer {
-        Rc::unwrap_or_clone(self.input(number, which).layer).into_space(space)
+        Rc::unwrap_or_clone(self.seen_in(number, which, space))
     }
 
-    /// The first two inputs: in and in2.
-    fn inputs_in(&mut self, number: usize, space: Space) -> (Layer, Layer) {
-        (self.input_in(number, 0, space), self.input_in(number, 1, space))
+    /// The first two inputs: in, to be looked at, and in2, to be worked on.
+    fn inputs_in(&mut self, number: usize, space: Space) -> (Rc<Layer>, Layer) {
+        (self.seen_in(number, 0, space), self.input_in(number, 1, space))
     }
 
     /// If index anti-aliasing is asked for and the input is noise, recoloured perhaps: the same at the
@@ -376,7 +357,7 @@ impl<'a> Run<'a> {
             return None;
         }
         let primitives = self.filter.primitives();
-        let way = way_to_noise(primitives, &self.origins, number)?;
+        let way = way_to_noise(primitives, &self.flow, number)?;
         let regions = way.iter().map(|&of| pixels_of(primitives[of].rect(), job.to_canvas));
         let within = regions.fold(self.region, IntRect::intersect);
         let mut corners = None;
@@ -397,11 +378,23 @@ impl<'a> Run<'a> {
     }
 
     fn offset(&mut self, number: usize, (dx, dy): (f64, f64)) -> Layer {
-        let input = self.input(number, 0).layer;
-        match (whole(dx), whole(dy)) {
-            (0, 0) => Rc::unwrap_or_clone(input),
-            (dx, dy) => input.moved_over_rect(dx, dy, self.region),
+        let needed = self.needed.results[number];
+        let (dx, dy) = (whole(dx), whole(dy));
+        match Rc::try_unwrap(self.input(number, 0)) {
+            Ok(own) if own.rect() == needed || (dx, dy) == (0, 0) => own.moved(dx, dy),
+            Ok(other) => other.moved_over_rect(dx, dy, needed),
+            Err(shared) => shared.moved_over_rect(dx, dy, needed),
         }
+    }
+
+    /// All inputs, the first one undermost; without the last one if that is cut.
+    fn merge(&mut self, fe: &Merge, number: usize, space: Space, is_cut: bool) -> Layer {
+        let count = fe.inputs().len() - usize::from(is_cut);
+        if count == 0 {
+            return Layer::clear(self.region, space);
+        }
+        let lowest = self.input_in(number, 0, space);
+        (1..count).fold(lowest, |lower, upper| combine::merged(&self.seen_in(number, upper, space), lower))
     }
 
     /// The shadow, and what casts it if that is shown.
@@ -413,15 +406,14 @@ impl<'a> Run<'a> {
         (sx, sy): (f64, f64),
         shown: bool,
     ) -> Layer {
-        let input = self.input_in(number, 0, space);
+        let input = self.seen_in(number, 0, space);
         let deviations = (f64::from(fe.std_dev_x().get()) * sx, f64::from(fe.std_dev_y().get()) * sy);
         let mut shadow = blur::gaussian(input.alpha(), deviations);
         let color: Pixel = pixel_of(fe.color(), fe.opacity().get(), space);
         for pixel in shadow.pixels_mut() {
             *pixel = color.map(|v| v * pixel[3]);
         }
-        let (dx, dy) = (whole(f64::from(fe.dx()) * sx), whole(f64::from(fe.dy()) * sy));
-        let moved = shadow.moved_over_rect(dx, dy, self.region);
+        let moved = shadow.moved(whole(f64::from(fe.dx()) * sx), whole(f64::from(fe.dy()) * sy));
         if shown {
             combine::merged(&input, moved)
         } else {
@@ -429,62 +421,24 @@ impl<'a> Run<'a> {
         }
     }
 
-    fn image(&mut self, fe: &Image, subregion: IntRect, job: &mut Job) -> Result<Layer, Error> {
+    fn image(&mut self, fe: &Image, number: usize, job: &mut Job) -> Result<Layer, Error> {
+        let (subregion, needed) = (self.subregions[number], self.needed.results[number]);
         let (sx, sy) = scales(job.to_canvas);
         let (x, y) = (f64::from(subregion.x()), f64::from(subregion.y()));
-        let over = subregion.intersect(self.region);
+        let over = subregion.intersect(needed);
         if over.is_empty() {
-            return Ok(Layer::clear(self.region, Space::Srgb));
+            return Ok(Layer::clear(needed, Space::Srgb));
         }
         let drawn = (job.draw)(fe.root(), Affine::new([sx, 0.0, 0.0, sy, x, y]), over)?;
-        Ok(drawn.into_rect(self.region))
+        Ok(drawn.into_rect(needed))
     }
 }
 
-/// Where the inputs come from of each primitive that the last one's result depends on, `None` for the
-/// others; and which primitive is the last to look at each one's result.
-fn origins_and_last_use(primitives: &[Primitive]) -> (Vec<Option<Vec<Origin>>>, Vec<usize>) {
-    let mut named = HashMap::new();
-    let mut origins = Vec::with_capacity(primitives.len());
-    for (number, primitive) in primitives.iter().enumerate() {
-        let origin = |input: &Input| match input {
-            Input::SourceGraphic => Origin::Source,
-            Input::SourceAlpha => Origin::SourceAlpha,
-            Input::Reference(name) => {
-                named.get(name.as_str()).map_or(Origin::Source, |&of| Origin::Result(of))
-            }
-        };
-        let of_primitive: Vec<Origin> = inputs(primitive.kind()).into_iter().map(origin).collect();
-        origins.push(Some(of_primitive));
-        named.insert(primitive.result(), number);
-    }
-    let mut last_use: Vec<Option<usize>> = vec![None; primitives.len()];
-    for number in (0..primitives.len()).rev() {
-        if number + 1 < primitives.len() && last_use[number].is_none() {
-            origins[number] = None;
-        }
-        for origin in origins[number].iter().flatten() {
-            if let Origin::Result(of) = origin {
-                last_use[*of].get_or_insert(number);
-            }
-        }
-    }
-    let last_use = last_use.iter().enumerate().map(|(number, last)| last.unwrap_or(number)).collect();
-    (origins, last_use)
-}
-
-/// Layers at once, at most: results in use, the source, its alpha, and two being worked on.
-fn most_layers(last_use: &[usize]) -> usize {
-    let (mut in_use, mut most) = (0usize, 0);
-    // A result is in use until the last primitive that looks at it is done.
-    let mut ends = vec![0usize; last_use.len() + 1];
-    for (number, &last) in last_use.iter().enumerate() {
-        in_use += 1;
-        ends[last.max(number)] += 1;
-        most = most.max(in_use);
-        in_use -= ends[number];
-    }
-    most + 4
+/// A layer that is looked at so many times more: itself the last time.
+fn looked_at(layer: &mut Option<Rc<Layer>>, uses: &mut usize) -> Rc<Layer> {
+    *uses -= 1;
+    let seen = if *uses == 0 { layer.take() } else { layer.clone() };
+    seen.expect("it is kept while somebody looks at it")
 }
 
 /// Whole pixels of an offset: towards 0, as browsers' filters have it.
@@ -495,24 +449,4 @@ fn whole(offset: f64) -> i32 {
 fn user_rect(primitive: &Primitive) -> Rect {
     let rect = primitive.rect();
     Rect::new(rect.left().into(), rect.top().into(), rect.right().into(), rect.bottom().into())
-}
-
-fn inputs(kind: &Kind) -> Vec<&Input> {
-    match kind {
-        Kind::Blend(fe) => vec![fe.input1(), fe.input2()],
-        Kind::ColorMatrix(fe) => vec![fe.input()],
-        Kind::ComponentTransfer(fe) => vec![fe.input()],
-        Kind::Composite(fe) => vec![fe.input1(), fe.input2()],
-        Kind::ConvolveMatrix(fe) => vec![fe.input()],
-        Kind::DiffuseLighting(fe) => vec![fe.input()],
-        Kind::DisplacementMap(fe) => vec![fe.input1(), fe.input2()],
-        Kind::DropShadow(fe) => vec![fe.input()],
-        Kind::Flood(_) | Kind::Image(_) | Kind::Turbulence(_) => vec![],
-        Kind::GaussianBlur(fe) => vec![fe.input()],
-        Kind::Merge(fe) => fe.inputs().iter().collect(),
-        Kind::Morphology(fe) => vec![fe.input()],
-        Kind::Offset(fe) => vec![fe.input()],
-        Kind::SpecularLighting(fe) => vec![fe.input()],
-        Kind::Tile(fe) => vec![fe.input()],
-    }
 }

@@ -5,7 +5,7 @@ use super::blur;
 use crate::effects::layer::{IntRect, Layer};
 use kurbo::{Affine, Rect};
 use std::sync::Arc;
-use usvg::filter::{EdgeMode, Filter, Kind, Primitive};
+use usvg::filter::{EdgeMode, Filter, Kind};
 use usvg::NonZeroRect;
 
 /// A transform in two steps: filters run on a canvas that is only scaled, with axes along the user
@@ -63,11 +63,17 @@ impl Canvas {
     }
 }
 
-/// For each of a chain of filters, the pixels to run it over so that `shown` comes out right; the
-/// first one's are those to draw the source over. Empty where nothing is to be seen.
-pub(crate) fn regions(filters: &[Arc<Filter>], to_canvas: Affine, shown: IntRect) -> Vec<IntRect> {
+/// For each of a chain of filters, the pixels to run it over so that `shown` comes out right, which is part
+/// of `all` that the picture shows. Empty where nothing is to be seen.
+pub(crate) fn regions(
+    filters: &[Arc<Filter>],
+    to_canvas: Affine,
+    shown: IntRect,
+    all: IntRect,
+) -> Vec<IntRect> {
     // A blur may reach a hundred thousand pixels out, where nothing that matters lies.
-    let outermost = shown.grown(2 * shown.width() as i64, 2 * shown.height() as i64);
+    let far = 2 * all.width().max(all.height()) as i64;
+    let outermost = shown.grown(far, far);
     let mut needed = shown;
     let mut regions: Vec<IntRect> = filters
         .iter()
@@ -108,17 +114,18 @@ pub(super) const LAST_BITS: f64 = 1e-3;
 fn reach(filter: &Filter, to_canvas: Affine) -> Option<(i64, i64)> {
     let mut sum = (0.0, 0.0);
     for primitive in filter.primitives() {
-        let (x, y) = primitive_reach(primitive, to_canvas)?;
+        let (x, y) = primitive_reach(primitive.kind(), to_canvas)?;
         sum = (sum.0 + x, sum.1 + y);
     }
     // Saturating casts.
     Some((sum.0.ceil() as i64, sum.1.ceil() as i64))
 }
 
-fn primitive_reach(primitive: &Primitive, to_canvas: Affine) -> Option<(f64, f64)> {
+/// The same of one primitive, which looks at all of its inputs alike.
+pub(super) fn primitive_reach(kind: &Kind, to_canvas: Affine) -> Option<(f64, f64)> {
     let (sx, sy) = scales(to_canvas);
     let size = |v: f32, scale: f64| f64::from(v).abs() * scale;
-    Some(match primitive.kind() {
+    Some(match kind {
         Kind::GaussianBlur(fe) => {
             (blur::reach(size(fe.std_dev_x().get(), sx)), blur::reach(size(fe.std_dev_y().get(), sy)))
         }

@@ -73,7 +73,7 @@ fn filtered_by_us(svg: &str, source: Layer, highlights: Highlights) -> Result<La
     let t = group.abs_transform();
     let transform = Affine::new([t.sx, t.ky, t.kx, t.sy, t.tx, t.ty].map(f64::from));
     let canvas = Canvas::new(transform).unwrap();
-    let regions = regions(group.filters(), canvas.to_canvas, canvas.rect_of(picture));
+    let regions = regions(group.filters(), canvas.to_canvas, canvas.rect_of(picture), picture);
     let log = Log::default();
     let mut job = Job {
         to_canvas: canvas.to_canvas,
@@ -478,9 +478,9 @@ fn regions_follow_the_picture_and_not_the_filter() {
     let tree = Tree::from_str(&svg, &Options::default()).unwrap();
     let group = first_filtered(tree.root()).unwrap();
     let picture = IntRect::new(0, 0, SIZE, SIZE);
-    let found = regions(group.filters(), Affine::IDENTITY, picture);
+    let found = regions(group.filters(), Affine::IDENTITY, picture, picture);
     assert!(found[0].right() > 48 + 6 && found[0].right() < 48 + 20, "{found:?}");
-    let found = regions(group.filters(), Affine::scale(1e4), picture);
+    let found = regions(group.filters(), Affine::scale(1e4), picture, picture);
     assert!(found[0].area() <= picture.area() * 25, "{found:?}");
 }
 
