@@ -366,7 +366,7 @@ fn placed(size: kurbo::Size, width: u32, height: u32) -> Viewport {
 /// reference cannot tell.
 fn is_exact(bytes: &[u8], options: &Options, ours: &image::RgbaImage) -> bool {
     let Ok(tree) = load::tree_from_bytes(bytes, options) else { return false };
-    if !reference::unsupported(&tree).is_empty() || reference::has_gradients(&tree) {
+    if !reference::unsupported(&tree).is_empty() {
         return false;
     }
     let Ok(scene) = Scene::from_tree(&tree) else { return false };

@@ -130,9 +130,6 @@ fn check(file: &Path, arguments: &Arguments) -> Result<Checked, String> {
         let kinds: Vec<&str> = unsupported.iter().map(|u| u.kind).collect();
         return Err(format!("has {} (first: '{}')", kinds.join(", "), first.element));
     }
-    if reference::has_gradients(&tree) {
-        return Err("has gradients".into());
-    }
     if tree.has_text_nodes() {
         return Err("has text, which depends on the fonts".into());
     }
