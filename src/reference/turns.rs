@@ -119,6 +119,10 @@ pub(super) fn sampled(area: &Trapezoid, mut colour: impl FnMut(Point) -> Colour)
     const POINTS: u32 = 4096;
     const GOLDEN: f64 = 0.618_033_988_749_894_9;
     let height = area.bottom - area.top;
+    if height <= 0.0 {
+        // As thin as the last digit.
+        return [0.0; 4];
+    }
     (0..POINTS).fold([0.0; 4], |sum, i| {
         let y = area.top + height * (f64::from(i) + 0.5) / f64::from(POINTS);
         let (left, right) = area.row(y);
