@@ -6,7 +6,7 @@
 //! A given picture that is opaque all over was drawn on white, so ours is laid on white too.
 //!
 //! Where the blur is not enough (thin strokes), a drawing passes *by the reference*, counted apart, if all
-//! of this holds: it is of flat paint without any effect, and nothing in it is left out; ours is exact by
+//! of this holds: it is without filters and images of pixels, and nothing in it is left out; ours is exact by
 //! this library's own reference (within 2 levels), which shares no code with the renderer; and both pictures show the same
 //! thing: the mean is within its bound, and what is off is off at an edge by 85 levels at most. The last clause is for
 //! what reference and renderer might both get wrong, since they read the same parsed tree.
@@ -366,7 +366,7 @@ fn placed(size: kurbo::Size, width: u32, height: u32) -> Viewport {
 /// reference cannot tell.
 fn is_exact(bytes: &[u8], options: &Options, ours: &image::RgbaImage) -> bool {
     let Ok(tree) = load::tree_from_bytes(bytes, options) else { return false };
-    if !reference::unsupported(&tree).is_empty() || reference::has_gradients(&tree) {
+    if !reference::unsupported(&tree).is_empty() {
         return false;
     }
     let Ok(scene) = Scene::from_tree(&tree) else { return false };

@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
 /// First bytes of a file, unpacked; the number is that of this layout.
-const MAGIC: &[u8; 16] = b"toon-raster tru2";
+const MAGIC: &[u8; 16] = b"toon-raster tru3";
 
 /// The folder is kept below this, the oldest files go first.
 const MOST_BYTES: u64 = 1 << 30;

@@ -54,8 +54,6 @@ pub struct About {
     pub rounding_rms: f64,
     /// What of the drawing the truth leaves out, in the plural.
     pub leaves_out: Vec<&'static str>,
-    /// Gradients are evaluated at the centre of each visible region.
-    pub gradients: bool,
     /// Time to get it.
     pub ms: f64,
     /// It was kept from an earlier run.
@@ -154,7 +152,6 @@ impl<'a> Source<'a> {
             rounding_mean: rounding.mean,
             rounding_rms: rounding.rms,
             leaves_out: reference::unsupported(self.tree).into_iter().map(|u| u.kind).collect(),
-            gradients: reference::has_gradients(self.tree),
             ms: milliseconds(start.elapsed()),
             cached,
         };

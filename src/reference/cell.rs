@@ -1,7 +1,7 @@
 //! Takes the edges in one pixel, makes the exact area which each set of shapes covers: the slab
 //! sweep. All in pixel units, (0, 0) at the pixel's top left corner, y downward.
 
-use kurbo::Point;
+use super::turns::Trapezoid;
 use std::collections::BTreeMap;
 
 /// What one geometry has in one pixel.
@@ -74,18 +74,11 @@ impl Steps {
 }
 
 /// The part of the pixel which one set of shapes covers.
-#[derive(Clone, Copy, Default)]
+#[derive(Default)]
 pub(super) struct Region {
     pub(super) area: f64,
-    moment_x: f64,
-    moment_y: f64,
-}
-
-impl Region {
-    /// Nearly its centroid: each trapezoid counts at half its height.
-    pub(super) fn centroid(&self) -> Point {
-        Point::new(self.moment_x / self.area, self.moment_y / self.area)
-    }
+    /// What it consists of, if that is wanted.
+    pub(super) trapezoids: Vec<Trapezoid>,
 }
 
 /// Crossings this near to each other in y (in pixels) are one cut: edges through one point cross at
@@ -100,14 +93,25 @@ const SLABS_INSTEAD: f64 = 1024.0;
 /// Crossings are collected by so many before equal ones are merged.
 const MOST_CROSSINGS: usize = 100_000;
 
+/// Where an edge crosses a slab: x at half the slab's height, at its top and at its bottom.
+#[derive(Clone, Copy)]
+struct Crossing {
+    middle: f64,
+    ends: [f64; 2],
+    winding: i32,
+    local: u32,
+}
+
 /// The sweep of one pixel, and its buffers.
 pub(super) struct Sweep {
+    /// Whether the regions' trapezoids are wanted.
+    shapes_wanted: bool,
     /// What is left of the work that the crossings may cost.
     work: usize,
     most_work: usize,
     edges: Vec<Edge>,
     active: Vec<Edge>,
-    order: Vec<(f64, i32, u32)>,
+    order: Vec<Crossing>,
     cuts: Vec<f64>,
     windings: Vec<i32>,
     at_left: Vec<i32>,
@@ -124,6 +128,7 @@ impl Default for Sweep {
 impl Sweep {
     fn with_most_work(most_work: usize) -> Sweep {
         Sweep {
+            shapes_wanted: false,
             work: most_work,
             most_work,
             edges: Vec::new(),
@@ -144,7 +149,13 @@ impl Sweep {
 
     /// Sweeps the pixel; `holds(i, winding)` is the fill rule of cell i. False if the crossings were
     /// too many to be cut at.
-    pub(super) fn run(&mut self, cells: &[&Cell], holds: impl Fn(usize, i32) -> bool) -> bool {
+    pub(super) fn run(
+        &mut self,
+        cells: &[&Cell],
+        shapes_wanted: bool,
+        holds: impl Fn(usize, i32) -> bool,
+    ) -> bool {
+        self.shapes_wanted = shapes_wanted;
         self.regions.clear();
         self.edges.clear();
         self.active.clear();
@@ -227,8 +238,13 @@ impl Sweep {
     fn add_trapezoids(&mut self, top: f64, bottom: f64, holds: &impl Fn(usize, i32) -> bool) {
         let (middle, height) = (0.5 * (top + bottom), bottom - top);
         self.order.clear();
-        self.order.extend(self.active.iter().map(|edge| (edge.x_at(middle), edge.winding, edge.local)));
-        self.order.sort_by(|a, b| a.0.total_cmp(&b.0));
+        self.order.extend(self.active.iter().map(|edge| Crossing {
+            middle: edge.x_at(middle),
+            ends: [edge.x_at(top), edge.x_at(bottom)],
+            winding: edge.winding,
+            local: edge.local,
+        }));
+        self.order.sort_by(|a, b| a.middle.total_cmp(&b.middle));
         self.windings.clear();
         self.windings.extend_from_slice(&self.at_left);
         self.covered.clear();
@@ -238,9 +254,9 @@ impl Sweep {
                 self.covered[local / 64] |= 1 << (local % 64);
             }
         }
-        let mut x = 0.0;
+        let (mut x, mut left) = (0.0, [0.0; 2]);
         for at in 0..=self.order.len() {
-            let end = self.order.get(at).map_or(1.0, |edge| edge.0.clamp(x, 1.0));
+            let end = self.order.get(at).map_or(1.0, |edge| edge.middle.clamp(x, 1.0));
             if end > x {
                 let area = (end - x) * height;
                 let region = match self.regions.get_mut(self.covered.as_slice()) {
@@ -248,11 +264,13 @@ impl Sweep {
                     None => self.regions.entry(self.covered.clone().into()).or_default(),
                 };
                 region.area += area;
-                region.moment_x += area * 0.5 * (x + end);
-                region.moment_y += area * middle;
-                x = end;
+                let right = self.order.get(at).map_or([1.0; 2], |edge| edge.ends);
+                if self.shapes_wanted {
+                    region.trapezoids.push(Trapezoid { top, bottom, left, right });
+                }
+                (x, left) = (end, right);
             }
-            let Some(&(_, winding, local)) = self.order.get(at) else { break };
+            let Some(&Crossing { winding, local, .. }) = self.order.get(at) else { break };
             let local = local as usize;
             self.windings[local] += winding;
             let bit = 1 << (local % 64);
@@ -292,7 +310,7 @@ mod tests {
             let cell = scribble(corners);
             let [exact, rough] = [usize::MAX, 0].map(|most_work| {
                 let mut sweep = Sweep::with_most_work(most_work);
-                let is_exact = sweep.run(&[&cell], |_, winding| winding % 2 != 0);
+                let is_exact = sweep.run(&[&cell], false, |_, winding| winding % 2 != 0);
                 assert_eq!(is_exact, most_work > 0);
                 sweep.regions[[1].as_slice()].area
             });

@@ -1,12 +1,13 @@
 //! Takes a [`usvg::Tree`], makes a list of what the truth leaves out and what kind of edges it has.
 
+use super::pattern;
 use usvg::tiny_skia_path::PathSegment;
-use usvg::{Group, Node, Paint, Path};
+use usvg::{Group, Node, Paint, Path, Pattern};
 
 /// Something in the drawing which the truth does not draw as SVG says.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Unsupported {
-    /// In the plural: `masks`, `filters`, `patterns`, `images`, `blend modes`.
+    /// In the plural: `filters`, `images`, `patterns of very many tiles`.
     pub kind: &'static str,
     /// The first element's id, which may be empty.
     pub element: String,
@@ -23,19 +24,13 @@ pub fn unsupported(tree: &usvg::Tree) -> Vec<Unsupported> {
     };
     visit(tree.root(), &mut |item| match item {
         Item::Group(group) => {
-            if group.mask().is_some() {
-                note("masks", name(group));
-            }
             if !group.filters().is_empty() {
                 note("filters", name(group));
             }
-            if group.blend_mode() != usvg::BlendMode::Normal {
-                note("blend modes", name(group));
-            }
         }
         Item::Path(path) => {
-            if paints(path).any(|paint| matches!(paint, Paint::Pattern(_))) {
-                note("patterns", path.id());
+            if patterns(path).any(|(pattern, bounds)| pattern::is_too_much(pattern, bounds)) {
+                note("patterns of very many tiles", path.id());
             }
         }
         Item::Image(id) => note("images", id),
@@ -43,7 +38,7 @@ pub fn unsupported(tree: &usvg::Tree) -> Vec<Unsupported> {
     found
 }
 
-/// Whether a visible path has a linear or radial gradient: there the truth is approximate.
+/// Whether a visible path has a linear or radial gradient.
 pub fn has_gradients(tree: &usvg::Tree) -> bool {
     let mut found = false;
     visit(tree.root(), &mut |item| {
@@ -95,31 +90,44 @@ enum Item<'a> {
     Image(&'a str),
 }
 
-/// Every group, visible path and visible image below `group`, in images that are drawings as well.
+/// Every group, visible path and visible image below `group`, in masks, tiles of patterns and images that
+/// are drawings as well.
 fn visit<'a>(group: &'a Group, look: &mut impl FnMut(Item<'a>)) {
     for node in group.children() {
         match node {
-            Node::Group(child) => {
-                look(Item::Group(child));
-                visit(child, look);
+            Node::Group(child) => visit_with_masks(child, look),
+            Node::Path(path) if path.is_visible() => {
+                look(Item::Path(path));
+                let drawn =
+                    |&(pattern, bounds): &(&'a Pattern, usvg::Rect)| !pattern::is_too_much(pattern, bounds);
+                patterns(path).filter(drawn).for_each(|(pattern, _)| visit(pattern.root(), look));
             }
-            Node::Path(path) if path.is_visible() => look(Item::Path(path)),
             Node::Image(image) if image.is_visible() => match image.kind() {
-                usvg::ImageKind::SVG(tree) => {
-                    look(Item::Group(tree.root()));
-                    visit(tree.root(), look);
-                }
+                usvg::ImageKind::SVG(tree) => visit_with_masks(tree.root(), look),
                 _ => look(Item::Image(image.id())),
             },
-            Node::Text(text) => {
-                look(Item::Group(text.flattened()));
-                visit(text.flattened(), look);
-            }
+            Node::Text(text) => visit_with_masks(text.flattened(), look),
             _ => {}
         }
     }
 }
 
+fn visit_with_masks<'a>(group: &'a Group, look: &mut impl FnMut(Item<'a>)) {
+    look(Item::Group(group));
+    visit(group, look);
+    std::iter::successors(group.mask(), |mask| mask.mask()).for_each(|mask| visit(mask.root(), look));
+}
+
 fn paints(path: &Path) -> impl Iterator<Item = &Paint> {
     path.fill().map(|f| f.paint()).into_iter().chain(path.stroke().map(|s| s.paint()))
+}
+
+/// The patterns that a path is painted with, and the boxes that they paint.
+pub(super) fn patterns(path: &Path) -> impl Iterator<Item = (&Pattern, usvg::Rect)> {
+    let fill = path.fill().map(|fill| (fill.paint(), path.bounding_box()));
+    let stroke = path.stroke().map(|stroke| (stroke.paint(), path.stroke_bounding_box()));
+    fill.into_iter().chain(stroke).filter_map(|(paint, bounds)| match paint {
+        Paint::Pattern(pattern) => Some((&**pattern, bounds)),
+        _ => None,
+    })
 }

@@ -1,6 +1,6 @@
 //! Takes an 8-bit picture and the true one, makes the measure of their difference.
 
-use super::census::edges_are_straight;
+use super::census::{edges_are_straight, has_gradients};
 use super::truth::{straight, Truth};
 
 /// How far an 8-bit picture is from the truth, in 8-bit levels.
@@ -75,12 +75,13 @@ pub struct Bounds {
 }
 
 impl Bounds {
-    /// .6 of a level where all edges are straight, 1 level where some are curved or stroked, and a
+    /// .6 of a level where all edges are straight and all paint is flat, 1 level elsewhere, and a
     /// mean of .25. Half a level is rounding. A large area of one translucent colour may lie between
     /// two levels, so that no picture keeps that mean: then it may be what rounding leaves, and .01.
     pub fn of(tree: &usvg::Tree, truth: &Truth) -> Bounds {
         let floor = truth.compare(&truth.to_pixmap()).mean;
-        Bounds { max: if edges_are_straight(tree) { 0.6 } else { 1.0 }, mean: (floor + 0.01).max(0.25) }
+        let is_plain = edges_are_straight(tree) && !has_gradients(tree);
+        Bounds { max: if is_plain { 0.6 } else { 1.0 }, mean: (floor + 0.01).max(0.25) }
     }
 
     /// Whether the difference stays within.

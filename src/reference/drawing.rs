@@ -4,11 +4,11 @@
 use super::clip::{Clip, ClipShape, Clips, Cover};
 use super::outline::{self, Segment};
 use super::paint::Brush;
-use super::{stroke, Options};
+use super::{pattern, stroke, Options};
 use crate::Viewport;
-use kurbo::{Affine, BezPath};
+use kurbo::{Affine, BezPath, Rect, Shape};
 use std::collections::HashMap;
-use usvg::{FillRule, Group, Node, PaintOrder, Path};
+use usvg::{BlendMode, FillRule, Group, MaskType, Node, Paint, PaintOrder, Path};
 
 /// A drawing, ready for the sweep. Geometries are numbered in depth order, the back first; those of
 /// clip-paths stand in between and have no paint.
@@ -32,12 +32,31 @@ pub(super) struct Geometry {
     pub(super) layer: Option<u32>,
 }
 
-/// A group which is composited apart: it has opacity below 1 or a clip-path.
+/// A group which is composited apart: it has opacity below 1, a clip-path, a mask or a blend mode.
 pub(super) struct Layer {
     /// From the outermost to this one.
     pub(super) chain: Vec<u32>,
+    pub(super) role: Role,
     pub(super) opacity: f64,
     pub(super) clip: Option<u32>,
+    /// Its last child is a mask.
+    pub(super) is_masked: bool,
+}
+
+/// What comes of a layer.
+#[derive(Clone, Copy)]
+pub(super) enum Role {
+    /// It is drawn onto what lies behind it.
+    Content(BlendMode),
+    /// It tells how much shows of the layer around it.
+    Mask(MaskType),
+}
+
+impl Layer {
+    /// Whether what is opaque in it hides what lies behind it.
+    fn is_plain(&self) -> bool {
+        matches!(self.role, Role::Content(BlendMode::Normal)) && self.opacity >= 1.0 && !self.is_masked
+    }
 }
 
 impl Geometry {
@@ -89,7 +108,7 @@ impl Drawing {
     pub(super) fn is_opaque(&self, geometry: u32) -> bool {
         let brush = self.geometries[geometry as usize].brush.as_ref();
         brush.is_some_and(Brush::is_opaque)
-            && self.chain(geometry).iter().all(|&layer| self.layers[layer as usize].opacity >= 1.0)
+            && self.chain(geometry).iter().all(|&layer| self.layers[layer as usize].is_plain())
     }
 }
 
@@ -121,17 +140,56 @@ impl Builder<'_> {
 
     fn group(&mut self, group: &Group, transform: Affine, parent: Option<u32>) {
         let transform = transform * affine(group.transform());
-        let opacity = f64::from(group.opacity().get());
-        if opacity >= 1.0 && group.clip_path().is_none() {
+        if !group.should_isolate() {
             return self.children(group, transform, parent);
         }
         let clip = group.clip_path().map(|clip| self.clip(clip, transform));
-        let mut chain =
-            parent.map_or(Vec::new(), |parent| self.drawing.layers[parent as usize].chain.clone());
-        let layer = self.drawing.layers.len() as u32;
-        chain.push(layer);
-        self.drawing.layers.push(Layer { chain, opacity, clip });
+        let layer = self.layer(Layer {
+            chain: self.chain(parent),
+            role: Role::Content(group.blend_mode()),
+            opacity: f64::from(group.opacity().get()),
+            clip,
+            is_masked: group.mask().is_some(),
+        });
         self.children(group, transform, Some(layer));
+        if let Some(mask) = group.mask() {
+            self.mask(mask, transform, layer);
+        }
+    }
+
+    /// A mask of a group, after all that the group shows.
+    fn mask(&mut self, mask: &usvg::Mask, transform: Affine, masked: u32) {
+        let clip = self.clip_to_rect(rect(mask.rect()), transform);
+        let layer = self.layer(Layer {
+            chain: self.chain(Some(masked)),
+            role: Role::Mask(mask.kind()),
+            opacity: 1.0,
+            clip: Some(clip),
+            is_masked: mask.mask().is_some(),
+        });
+        self.children(mask.root(), transform, Some(layer));
+        if let Some(within) = mask.mask() {
+            self.mask(within, transform, layer);
+        }
+    }
+
+    fn chain(&self, layer: Option<u32>) -> Vec<u32> {
+        layer.map_or(Vec::new(), |layer| self.drawing.layers[layer as usize].chain.clone())
+    }
+
+    /// Adds a layer, of which `chain` is still that of the one around it.
+    fn layer(&mut self, mut layer: Layer) -> u32 {
+        let number = self.drawing.layers.len() as u32;
+        layer.chain.push(number);
+        self.drawing.layers.push(layer);
+        number
+    }
+
+    /// A group which is nothing but clipped and faded.
+    fn plain_layer(&mut self, around: Option<u32>, clip: u32, opacity: f64) -> u32 {
+        let chain = self.chain(around);
+        let role = Role::Content(BlendMode::Normal);
+        self.layer(Layer { chain, role, opacity, clip: Some(clip), is_masked: false })
     }
 
     fn path(&mut self, path: &Path, transform: Affine, layer: Option<u32>) {
@@ -149,19 +207,65 @@ impl Builder<'_> {
 
     fn fill(&mut self, path: &Path, transform: Affine, layer: Option<u32>) {
         let Some(fill) = path.fill() else { return };
-        let Some(brush) = Brush::new(fill.paint(), fill.opacity(), transform) else { return };
         let outline = transform * outline::bez_path(path.data());
-        let geometry = Geometry { rule: fill.rule(), jagged: is_jagged(path), brush: Some(brush), layer };
-        self.add(geometry, &outline);
+        let geometry = Geometry { rule: fill.rule(), jagged: is_jagged(path), brush: None, layer };
+        let bounds = path.bounding_box();
+        self.paint(geometry, &outline, (fill.paint(), fill.opacity(), bounds), transform);
     }
 
     fn stroke(&mut self, path: &Path, transform: Affine, layer: Option<u32>) {
         let Some(stroke) = path.stroke() else { return };
-        let Some(brush) = Brush::new(stroke.paint(), stroke.opacity(), transform) else { return };
         let outline = stroke::outline(path.data(), stroke, transform, self.options);
-        let geometry =
-            Geometry { rule: FillRule::NonZero, jagged: is_jagged(path), brush: Some(brush), layer };
-        self.add(geometry, &outline);
+        let geometry = Geometry { rule: FillRule::NonZero, jagged: is_jagged(path), brush: None, layer };
+        let bounds = path.stroke_bounding_box();
+        self.paint(geometry, &outline, (stroke.paint(), stroke.opacity(), bounds), transform);
+    }
+
+    /// Paints a geometry whose box in user units is `bounds`.
+    fn paint(
+        &mut self,
+        geometry: Geometry,
+        outline: &BezPath,
+        (paint, opacity, bounds): (&Paint, usvg::Opacity, usvg::Rect),
+        transform: Affine,
+    ) {
+        if let Paint::Pattern(pattern) = paint {
+            let around = geometry.layer;
+            let clip = self.clip_to(Geometry { layer: None, ..geometry }, outline);
+            let layer = self.plain_layer(around, clip, f64::from(opacity.get()));
+            self.tiles(pattern, bounds, transform, layer);
+        } else if let Some(brush) = Brush::new(paint, opacity, transform) {
+            self.add(Geometry { brush: Some(brush), ..geometry }, outline);
+        }
+    }
+
+    /// All tiles of a pattern that may show within `bounds`, each clipped to its rectangle.
+    fn tiles(&mut self, pattern: &usvg::Pattern, bounds: usvg::Rect, transform: Affine, layer: u32) {
+        if pattern::is_too_much(pattern, bounds) {
+            return;
+        }
+        let (tile, places) = pattern::tiles(pattern, bounds);
+        let seen = Rect::new(0.0, 0.0, self.width, self.height);
+        for place in places {
+            let transform = transform * affine(pattern.transform()) * Affine::translate(place);
+            if transform.transform_rect_bbox(tile).overlaps(seen) {
+                let clip = self.clip_to_rect(tile, transform);
+                let layer = self.plain_layer(Some(layer), clip, 1.0);
+                self.children(pattern.root(), transform, Some(layer));
+            }
+        }
+    }
+
+    fn clip_to_rect(&mut self, rect: Rect, transform: Affine) -> u32 {
+        let geometry = Geometry { rule: FillRule::NonZero, jagged: false, brush: None, layer: None };
+        self.clip_to(geometry, &(transform * rect.to_path(0.0)))
+    }
+
+    /// A clip-path of one shape.
+    fn clip_to(&mut self, geometry: Geometry, outline: &BezPath) -> u32 {
+        let shapes = vec![ClipShape { geometry: self.add(geometry, outline), within: Vec::new() }];
+        self.drawing.clips.all.push(Clip { shapes, within: None });
+        self.drawing.clips.all.len() as u32 - 1
     }
 
     /// `outline` in pixels. A geometry which cannot touch the picture gets no segments.
@@ -230,6 +334,11 @@ impl Builder<'_> {
 
 fn is_jagged(path: &Path) -> bool {
     !path.rendering_mode().use_shape_antialiasing()
+}
+
+/// The same rectangle in f64.
+fn rect(r: usvg::NonZeroRect) -> Rect {
+    Rect::new(r.left().into(), r.top().into(), r.right().into(), r.bottom().into())
 }
 
 /// The same transform in f64.

@@ -19,28 +19,32 @@
 //! ```
 //!
 //! Only pixels with edges are swept; shapes hidden in a pixel by an opaque one which covers it whole
-//! are left out, and runs of pixels without edges are composited once. Gradients are approximate:
-//! they are evaluated at the centroid of the area which one set of shapes covers in the pixel; where
-//! their colour map turns or jumps in the pixel around it, on 64 x 64 points of that.
-//! Masks, filters and blend modes are ignored, patterns and images of pixels are not drawn: see
+//! are left out, and runs of pixels without edges are composited once. Where gradients are seen, the
+//! composited colour is integrated over each cell, cut where a colour map turns or jumps ([`turns`]).
+//! The tiles of a pattern are drawn one by one, clipped to the shape; a mask is a group, of which the
+//! colour at each cell says how much shows. Filters are ignored, images of pixels are not drawn: see
 //! [`unsupported`].
 //!
 //! [`rational`] is a second, smaller truth: polygons with small integer coordinates, in exact
 //! fractions.
 
+mod blend;
 mod cell;
 mod census;
 mod clip;
 mod difference;
 mod drawing;
+mod gradient;
 mod outline;
 mod paint;
+mod pattern;
 mod pieces;
 mod polyline;
 pub mod rational;
 mod row;
 mod stroke;
 mod truth;
+mod turns;
 
 #[cfg(test)]
 mod tests;
@@ -52,6 +56,9 @@ pub use truth::Truth;
 use crate::{Error, Viewport};
 use drawing::Drawing;
 use rayon::prelude::*;
+
+/// A colour: red, green, blue times alpha, and alpha, each 0..=1, sRGB-encoded.
+type Colour = [f64; 4];
 
 /// How the truth is computed.
 #[derive(Clone, Debug)]

@@ -1,12 +1,12 @@
 //! Takes paint and the set of shapes which cover a place, makes its colour.
 
+use super::blend::blended;
 use super::clip::Cover;
-use super::drawing::{affine, Drawing};
-use kurbo::{Affine, Point, Vec2};
-use usvg::{Paint, SpreadMethod, Stop};
-
-/// A colour: red, green, blue times alpha, and alpha, each 0..=1, sRGB-encoded.
-pub(super) type Colour = [f64; 4];
+use super::drawing::{Drawing, Role};
+use super::gradient::{Gradient, GradientShape};
+use super::Colour;
+use kurbo::{Affine, Point};
+use usvg::{BlendMode, MaskType, Paint};
 
 /// What a shape is painted with.
 pub(super) enum Brush {
@@ -14,44 +14,13 @@ pub(super) enum Brush {
     Gradient(Box<Gradient>),
 }
 
-/// A gradient, from pixels to colour.
-pub(super) struct Gradient {
-    /// From pixels to the gradient's own space.
-    from_pixels: Affine,
-    shape: GradientShape,
-    spread: SpreadMethod,
-    /// Offset, and straight colour with alpha 0..=1, in order of offset.
-    stops: Vec<(f64, [f64; 4])>,
-}
-
-enum GradientShape {
-    Linear {
-        from: Point,
-        to: Point,
-    },
-    /// From the circle around `focus` to the one around `centre`.
-    Radial {
-        focus: Point,
-        focus_radius: f64,
-        centre: Point,
-        radius: f64,
-    },
-}
-
 impl Brush {
-    /// `None` for a pattern, or a gradient whose space has no area: nothing is painted.
+    /// `None` for a gradient whose space has no area, which paints nothing, and for a pattern, which is
+    /// shapes of its own.
     pub(super) fn new(paint: &Paint, opacity: usvg::Opacity, to_pixels: Affine) -> Option<Brush> {
         let opacity = f64::from(opacity.get());
         let gradient = |base: &usvg::BaseGradient, shape: GradientShape| {
-            let transform = to_pixels * affine(base.transform());
-            (transform.determinant() != 0.0 && transform.is_finite()).then(|| {
-                Brush::Gradient(Box::new(Gradient {
-                    from_pixels: transform.inverse(),
-                    shape,
-                    spread: base.spread_method(),
-                    stops: base.stops().iter().map(|stop| straight_stop(stop, opacity)).collect(),
-                }))
-            })
+            Gradient::new(base, shape, opacity, to_pixels).map(|made| Brush::Gradient(Box::new(made)))
         };
         let point = |x: f32, y: f32| Point::new(f64::from(x), f64::from(y));
         match paint {
@@ -83,126 +52,17 @@ impl Brush {
         }
     }
 
-    pub(super) fn is_flat(&self) -> bool {
-        matches!(self, Brush::Flat(_))
+    pub(super) fn gradient(&self) -> Option<&Gradient> {
+        match self {
+            Brush::Flat(_) => None,
+            Brush::Gradient(gradient) => Some(gradient),
+        }
     }
 
     fn colour(&self, at: Point) -> Colour {
         match self {
             Brush::Flat(colour) => *colour,
-            Brush::Gradient(gradient) => gradient.colour(at),
-        }
-    }
-}
-
-fn straight_stop(stop: &Stop, opacity: f64) -> (f64, [f64; 4]) {
-    let c = stop.color();
-    let level = |byte: u8| f64::from(byte) / 255.0;
-    let alpha = f64::from(stop.opacity().get()) * opacity;
-    (f64::from(stop.offset().get()), [level(c.red), level(c.green), level(c.blue), alpha])
-}
-
-impl Gradient {
-    /// A radial gradient whose circles do not nest leaves part of the plane unpainted.
-    fn is_opaque(&self) -> bool {
-        let everywhere = match self.shape {
-            GradientShape::Linear { .. } => true,
-            GradientShape::Radial { focus, focus_radius, centre, radius } => {
-                focus.distance(centre) + focus_radius < radius
-            }
-        };
-        everywhere && self.stops.iter().all(|(_, colour)| colour[3] >= 1.0)
-    }
-
-    /// The mean over the pixel around `at`: by samples where the colour map turns within it, and
-    /// otherwise the colour in its middle.
-    fn colour(&self, at: Point) -> Colour {
-        /// Samples along one side.
-        const SIDE: i32 = 64;
-        if !self.turns_around(at) {
-            return self.colour_at(at);
-        }
-        let offset = |i: i32| (f64::from(i) + 0.5) / f64::from(SIDE) - 0.5;
-        let mut sum = [0.0; 4];
-        for i in 0..SIDE * SIDE {
-            let colour = self.colour_at(at + Vec2::new(offset(i % SIDE), offset(i / SIDE)));
-            sum.iter_mut().zip(colour).for_each(|(sum, c)| *sum += c);
-        }
-        sum.map(|sum| sum / f64::from(SIDE * SIDE))
-    }
-
-    /// May a stop, an end or a place without colour lie within the pixel around a point?
-    fn turns_around(&self, at: Point) -> bool {
-        let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
-        for (dx, dy) in [(0.0, 0.0), (-0.5, -0.5), (0.5, -0.5), (-0.5, 0.5), (0.5, 0.5)] {
-            let Some(t) = self.shape.offset(self.from_pixels * (at + Vec2::new(dx, dy))) else {
-                return true;
-            };
-            (least, most) = (least.min(t), most.max(t));
-        }
-        // The middle of a radial gradient may lie anywhere in the pixel.
-        let margin = 0.5 * (most - least);
-        let (least, most) = (least - margin, most + margin);
-        let within = |t: f64| least < t && t < most;
-        let period = least.floor();
-        match self.spread {
-            SpreadMethod::Pad => self.stops.iter().any(|&(offset, _)| within(offset)),
-            _ if most > period + 1.0 => true,
-            _ => {
-                self.stops.iter().any(|&(offset, _)| within(period + offset) || within(period + 1.0 - offset))
-            }
-        }
-    }
-
-    fn colour_at(&self, at: Point) -> Colour {
-        let Some(t) = self.shape.offset(self.from_pixels * at) else { return [0.0; 4] };
-        let t = match self.spread {
-            SpreadMethod::Pad => t.clamp(0.0, 1.0),
-            SpreadMethod::Repeat => t.rem_euclid(1.0),
-            SpreadMethod::Reflect => 1.0 - (t.rem_euclid(2.0) - 1.0).abs(),
-        };
-        let after = self.stops.partition_point(|&(offset, _)| offset <= t);
-        let [r, g, b, a] = match (after.checked_sub(1).map(|i| self.stops[i]), self.stops.get(after)) {
-            (Some((from, below)), Some(&(to, above))) => {
-                let part = (t - from) / (to - from);
-                std::array::from_fn(|c| below[c] + (above[c] - below[c]) * part)
-            }
-            (Some((_, only)), None) => only,
-            (None, Some(&(_, only))) => only,
-            (None, None) => [0.0; 4],
-        };
-        [r * a, g * a, b * a, a]
-    }
-}
-
-impl GradientShape {
-    /// Where `at` lies between the gradient's start (0) and end (1); `None` where it is not defined.
-    fn offset(&self, at: Point) -> Option<f64> {
-        match *self {
-            GradientShape::Linear { from, to } => {
-                let along = to - from;
-                let length = along.hypot2();
-                // usvg makes a gradient without length flat; here the last colour is as good.
-                Some(if length > 0.0 { (at - from).dot(along) / length } else { 1.0 })
-            }
-            // The circle at t has centre f + t (c - f) and radius a + t (r - a); the largest t whose
-            // circle passes through the point, with a radius that is not negative, paints it.
-            GradientShape::Radial { focus, focus_radius, centre, radius } => {
-                let (d, p, growth) = (centre - focus, at - focus, radius - focus_radius);
-                let a = d.hypot2() - growth * growth;
-                let half_b = p.dot(d) + focus_radius * growth;
-                let c = p.hypot2() - focus_radius * focus_radius;
-                let holds = |t: &f64| t.is_finite() && focus_radius + t * growth >= 0.0;
-                if a.abs() < 1e-12 * (d.hypot2() + growth * growth) {
-                    return Some(c / (2.0 * half_b)).filter(holds);
-                }
-                let root = half_b * half_b - a * c;
-                if root < 0.0 {
-                    return None;
-                }
-                let (one, other) = ((half_b + root.sqrt()) / a, (half_b - root.sqrt()) / a);
-                Some(one.max(other)).filter(holds).or(Some(one.min(other)).filter(holds))
-            }
+            Brush::Gradient(gradient) => gradient.colour_at(at),
         }
     }
 }
@@ -212,32 +72,37 @@ fn over(front: Colour, back: Colour) -> Colour {
     std::array::from_fn(|c| front[c] + back[c] * (1.0 - front[3]))
 }
 
+/// A group with what lies in it so far.
+struct Open {
+    layer: u32,
+    colour: Colour,
+    /// How much its mask shows, which is drawn last.
+    shown: f64,
+}
+
 impl Drawing {
-    /// The colour of a region: `shapes` (front first) which may cover it, `covers` whether they and
-    /// the clip-paths do, `at` (in pixels) where gradients are evaluated.
-    pub(super) fn composite(
-        &self,
-        shapes: &[u32],
-        covers: &[Cover],
-        at: Point,
-        background: Colour,
-    ) -> Colour {
-        // The groups that are open, each with what lies in it so far.
-        let mut open: Vec<(u32, Colour)> = Vec::new();
+    /// Those of `shapes` which cover a region of which `covers` gives each geometry's standing.
+    pub(super) fn covering(&self, shapes: &[u32], covers: &[Cover]) -> Vec<u32> {
+        let inside = |shape: u32| {
+            covers[shape as usize] == Cover::Inside && self.clip_cover(shape, covers) == Cover::Inside
+        };
+        shapes.iter().copied().filter(|&shape| inside(shape)).collect()
+    }
+
+    /// The colour at a point (in pixels) which `shapes` cover, the front first.
+    pub(super) fn composite(&self, shapes: &[u32], at: Point, background: Colour) -> Colour {
+        let mut open: Vec<Open> = Vec::new();
         let mut base = background;
         for &shape in shapes.iter().rev() {
-            if covers[shape as usize] != Cover::Inside || self.clip_cover(shape, covers) != Cover::Inside {
-                continue;
-            }
             let chain = self.chain(shape);
-            while open.last().is_some_and(|&(group, _)| !chain.contains(&group)) {
+            while open.last().is_some_and(|group| !chain.contains(&group.layer)) {
                 self.close_group(&mut open, &mut base);
             }
-            for &group in &chain[open.len()..] {
-                open.push((group, [0.0; 4]));
+            for &layer in &chain[open.len()..] {
+                open.push(Open { layer, colour: [0.0; 4], shown: 0.0 });
             }
             let brush = self.geometries[shape as usize].brush.as_ref().expect("a painted shape");
-            let below = open.last_mut().map_or(&mut base, |(_, colour)| colour);
+            let below = open.last_mut().map_or(&mut base, |group| &mut group.colour);
             *below = over(brush.colour(at), *below);
         }
         while !open.is_empty() {
@@ -246,11 +111,30 @@ impl Drawing {
         base
     }
 
-    fn close_group(&self, open: &mut Vec<(u32, Colour)>, base: &mut Colour) {
-        let Some((group, colour)) = open.pop() else { return };
-        let opacity = self.layers[group as usize].opacity;
-        let below = open.last_mut().map_or(base, |(_, colour)| colour);
-        *below = over(colour.map(|c| c * opacity), *below);
+    fn close_group(&self, open: &mut Vec<Open>, base: &mut Colour) {
+        let Some(Open { layer, colour, shown }) = open.pop() else { return };
+        let layer = &self.layers[layer as usize];
+        let shown = layer.opacity * if layer.is_masked { shown } else { 1.0 };
+        let colour = colour.map(|c| c * shown);
+        match (layer.role, open.last_mut()) {
+            (Role::Mask(kind), Some(masked)) => masked.shown = shown_by(kind, colour),
+            (Role::Mask(_), None) => unreachable!("a mask lies in the group that it masks"),
+            (Role::Content(mode), below) => {
+                let below = below.map_or(base, |group| &mut group.colour);
+                *below = match mode {
+                    BlendMode::Normal => over(colour, *below),
+                    _ => blended(mode, colour, *below),
+                };
+            }
+        }
+    }
+}
+
+/// How much a colour of a mask shows (CSS Masking 1, 7.10.1; the shares of SVG 1.1's luminanceToAlpha).
+fn shown_by(kind: MaskType, [r, g, b, a]: Colour) -> f64 {
+    match kind {
+        MaskType::Alpha => a,
+        MaskType::Luminance => 0.2125 * r + 0.7154 * g + 0.0721 * b,
     }
 }
 
@@ -266,16 +150,27 @@ impl Mixture {
     }
 
     pub(super) fn add(&mut self, colour: Colour, area: f64) {
-        let colour = if self.linear { per_straight_channel(colour, decode) } else { colour };
-        for (sum, channel) in self.sum.iter_mut().zip(colour) {
-            *sum += channel * area;
-        }
+        self.add_integral(light_of(self.linear, colour).map(|c| c * area));
+    }
+
+    /// What [`light_of`] has summed up to over an area.
+    pub(super) fn add_integral(&mut self, integral: Colour) {
+        self.sum.iter_mut().zip(integral).for_each(|(sum, channel)| *sum += channel);
     }
 
     /// The average in levels 0..=255, sRGB-encoded, premultiplied; the areas must sum to 1.
     pub(super) fn levels(&self) -> [f64; 4] {
         let colour = if self.linear { per_straight_channel(self.sum, encode) } else { self.sum };
         colour.map(|c| c * 255.0)
+    }
+}
+
+/// A colour as it is mixed with others.
+pub(super) fn light_of(linear: bool, colour: Colour) -> Colour {
+    if linear {
+        per_straight_channel(colour, decode)
+    } else {
+        colour
     }
 }
 

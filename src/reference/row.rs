@@ -4,9 +4,11 @@
 use super::cell::{Cell, Edge, Steps, Sweep};
 use super::clip::Cover;
 use super::drawing::{Drawing, Geometry};
+use super::gradient::Gradient;
 use super::outline::Segment;
-use super::paint::{Brush, Colour, Mixture};
-use super::Options;
+use super::paint::{light_of, Brush, Mixture};
+use super::turns::{self, Trapezoid, Turn, PIXEL};
+use super::{Colour, Options};
 use kurbo::Point;
 use std::collections::BTreeSet;
 use std::ops::Range;
@@ -377,24 +379,54 @@ impl Pixel<'_> {
     /// A run of pixels without edges.
     fn run(&mut self, whole: &BTreeSet<u32>, length: usize, out: &mut Vec<[f64; 4]>) {
         let visible = self.visible(whole, &[]);
-        let flat = visible
-            .iter()
-            .all(|&shape| self.drawing.geometries[shape as usize].brush.as_ref().is_some_and(Brush::is_flat));
-        let mut colour = [0.0; 4];
-        for offset in 0..length {
-            if offset == 0 || !flat {
-                colour = self.uniform(&visible, offset);
-            }
-            out.push(colour);
+        let seen = self.drawing.covering(&visible, self.covers);
+        if self.gradients(&seen).next().is_none() {
+            out.resize(out.len() + length, self.uniform(&seen));
+            return;
+        }
+        for _ in 0..length {
+            out.push(self.uniform(&seen));
+            self.at.x += 1.0;
         }
     }
 
-    fn uniform(&self, visible: &[u32], offset: usize) -> [f64; 4] {
-        let centre = Point::new(self.at.x + offset as f64 + 0.5, self.at.y + 0.5);
-        let colour = self.drawing.composite(visible, self.covers, centre, self.background);
+    /// The whole pixel, covered by `seen`.
+    fn uniform(&self, seen: &[u32]) -> [f64; 4] {
         let mut mixture = Mixture::new(self.linear);
-        mixture.add(colour, 1.0);
+        self.add(seen, 1.0, &[PIXEL], &self.turns(seen), &mut mixture);
         mixture.levels()
+    }
+
+    fn gradients<'s>(&'s self, shapes: &'s [u32]) -> impl Iterator<Item = &'s Gradient> {
+        let brush = |&shape: &u32| self.drawing.geometries[shape as usize].brush.as_ref();
+        shapes.iter().filter_map(brush).filter_map(Brush::gradient)
+    }
+
+    /// Where the colours of shapes turn in the pixel.
+    fn turns(&self, shapes: &[u32]) -> Turns {
+        let mut gradients = self.gradients(shapes).peekable();
+        if gradients.peek().is_none() {
+            return Turns::Flat;
+        }
+        let all: Option<Vec<Vec<Turn>>> = gradients.map(|gradient| gradient.turns(self.at)).collect();
+        all.map_or(Turns::TooMany, |all| Turns::At(all.into_iter().flatten().collect()))
+    }
+
+    /// Adds a region's colour, which `seen` cover, the front first; of the pixel's parts `area` is the
+    /// sum.
+    fn add(&self, seen: &[u32], area: f64, parts: &[Trapezoid], turns: &Turns, mixture: &mut Mixture) {
+        let colour = |at: Point| self.drawing.composite(seen, at, self.background);
+        if matches!(turns, Turns::Flat) || self.gradients(seen).next().is_none() {
+            return mixture.add(colour(self.at), area);
+        }
+        let light = |at: Point| light_of(self.linear, colour(at));
+        for part in parts {
+            let part = part.moved(self.at.to_vec2());
+            mixture.add_integral(match turns {
+                Turns::At(turns) => turns::integral(&part, turns, light),
+                Turns::TooMany | Turns::Flat => turns::sampled(&part, light),
+            });
+        }
     }
 
     /// A pixel with edges.
@@ -418,7 +450,7 @@ impl Pixel<'_> {
         }
         let cells_needed: Vec<&Cell> = cells.iter().filter(|cell| needed.contains(&cell.geometry)).collect();
         if cells_needed.is_empty() {
-            row.pixels.push(self.uniform(&visible, 0));
+            row.pixels.push(self.uniform(&self.drawing.covering(&visible, self.covers)));
         } else {
             row.swept += 1;
             let levels = self.mix(&visible, &cells_needed, sweep, row);
@@ -432,8 +464,9 @@ impl Pixel<'_> {
     fn mix(&mut self, visible: &[u32], cells: &[&Cell], sweep: &mut Sweep, row: &mut PaintedRow) -> [f64; 4] {
         let geometries = &self.drawing.geometries;
         let holds = |local: usize, winding: i32| geometries[cells[local].geometry as usize].holds(winding);
-        let exact = sweep.run(cells, holds);
-        row.approximate += usize::from(!exact);
+        let turns = self.turns(visible);
+        let exact = sweep.run(cells, !matches!(turns, Turns::Flat), holds);
+        row.approximate += usize::from(!exact || matches!(turns, Turns::TooMany));
         let total: f64 = sweep.regions().map(|(_, region)| region.area).sum();
         row.area_defect = row.area_defect.max((total - 1.0).abs());
         let mut mixture = Mixture::new(self.linear);
@@ -442,10 +475,17 @@ impl Pixel<'_> {
                 let inside = covered[local / 64] >> (local % 64) & 1 == 1;
                 self.covers[cell.geometry as usize] = if inside { Cover::Inside } else { Cover::Outside };
             }
-            let at = self.at + region.centroid().to_vec2();
-            let colour = self.drawing.composite(visible, self.covers, at, self.background);
-            mixture.add(colour, region.area / total);
+            let seen = self.drawing.covering(visible, self.covers);
+            self.add(&seen, region.area / total, &region.trapezoids, &turns, &mut mixture);
         }
         mixture.levels()
     }
+}
+
+/// How colours vary within a pixel.
+enum Turns {
+    Flat,
+    /// Smoothly, but at these curves.
+    At(Vec<Turn>),
+    TooMany,
 }

@@ -4,8 +4,10 @@
 //! In a tree of groups each is evaluated for every region of a pixel in which the same shapes are seen,
 //! so that no seam comes through it; a layer of pixels has mixed the regions before. Filters too become
 //! shapes where they only change colours of opaque shapes, and where they put what they filter before what
-//! they make of it, as a drop shadow does. What else works on pixels (other filters, patterns, images) stays
-//! as it is.
+//! they make of it, as a drop shadow does. Patterns of few tiles become the shapes of those ([`tiles`]). What
+//! else works on pixels (other filters, patterns of more tiles, images) stays as it is.
+
+mod tiles;
 
 use super::paint::{Paint, Sheet};
 use super::raster::{Mask, Raster, RasterGroup, Source};
@@ -15,11 +17,13 @@ use crate::effects::layer::{Pixel, CLEAR};
 use crate::outlines::bounds_under;
 use kurbo::{Affine, Rect};
 use std::sync::Arc;
+use tiles::Tiles;
 use usvg::filter::Filter;
 use usvg::BlendMode;
 
 pub(super) fn unfolded(scene: &Scene) -> Option<Scene> {
-    scene.shapes.iter().any(|shape| foldable(&shape.paint).is_some()).then(|| {
+    let unfolds = |shape: &Shape| foldable(&shape.paint).is_some() || Tiles::of(shape).is_some();
+    scene.shapes.iter().any(unfolds).then(|| {
         let mut unfolded = scene.with_shapes(Vec::new());
         for shape in &scene.shapes {
             unfold_shape(&mut unfolded, shape.clone());
@@ -125,6 +129,9 @@ fn recolored(content: &Scene, filter: &Filter) -> Scene {
 }
 
 fn unfold_shape(scene: &mut Scene, shape: Shape) {
+    if let Some(tiles) = Tiles::of(&shape).filter(|_| tiles::has_room(scene)) {
+        return tiles::add_tiles(scene, &shape, &tiles);
+    }
     let Some((raster, group)) = foldable(&shape.paint) else {
         scene.shapes.push(shape);
         return;

@@ -440,7 +440,7 @@ function facts() {
   const own = about.own_error.map((o) => `${short(o.mean)} levels mean, ${short(o.max)} at most, from one with ${o.against}`).join("; ");
   const list = [
     ["Reference", `${about.how}; curves cut at ${about.tolerance} px.`],
-    ["Its own error", [`cutting curves shifts one edge by at most ${short(about.tolerance_levels)} levels`, own || "not held against another, which would take long", `areas of a pixel sum to 1 within ${about.area_defect.toExponential(0)}`, about.approximate_pixels ? `areas approximate in ${plural(about.approximate_pixels, "pixel")}` : "no pixel approximate", about.gradients ? "gradients taken at the centre of each visible region" : ""].filter(Boolean).join("; ") + "."],
+    ["Its own error", [`cutting curves shifts one edge by at most ${short(about.tolerance_levels)} levels`, own || "not held against another, which would take long", `areas of a pixel sum to 1 within ${about.area_defect.toExponential(0)}`, about.approximate_pixels ? `areas approximate in ${plural(about.approximate_pixels, "pixel")}` : "no pixel approximate"].filter(Boolean).join("; ") + "."],
     ["Rounding", `the reference itself, rounded to 8 bits, is off by ${short(about.rounding_mean)} levels in the mean, rms ${short(about.rounding_rms)}: no picture can better that by much.`],
     about.leaves_out.length && ["It leaves out", `${about.leaves_out.join(", ")}: a method that draws these differs there without being wrong.`],
     ["Its time", `${short(about.ms)} ms${about.cached ? ", kept from an earlier run" : ""}.`],

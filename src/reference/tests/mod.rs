@@ -3,6 +3,8 @@
 
 mod against_resvg;
 mod clips_and_groups;
+mod gradients;
+mod groups_and_patterns;
 mod known_areas;
 mod random_scenes;
 mod strokes;
