@@ -124,7 +124,7 @@ pub(crate) fn shaders<'a>(
             Paint::Flat(_) => None,
             _ if shapes.as_ref().is_some_and(|wanted| !wanted[number]) => None,
             Paint::Gradient(gradient) => {
-                let shader = GradientShader::new(gradient, viewport.transform, settings.spot_scale);
+                let shader = GradientShader::new(gradient, &shape.geometry, viewport, settings.spot_scale);
                 Some(Shader::Gradient(Box::new(shader)))
             }
             Paint::Layer(layer, by) => {

@@ -12,6 +12,7 @@ use crate::methods::{painter, Painter};
 use crate::polygons::Flattener;
 use crate::render::rows_at_once;
 use crate::scene::census::stands_for_a_layer;
+use crate::scene::gradient_shader::GradientShader;
 use crate::scene::paint::Paint;
 use crate::scene::raster::{Mask, Raster, RasterGroup, Source};
 use crate::scene::{Geometry, Scene, Shape};
@@ -32,7 +33,8 @@ pub struct Plan {
     pub layers: Vec<LayerPlan>,
     /// Bytes that layers take at once, at most, the work of filters among them.
     pub layer_bytes: u64,
-    /// Bytes of the tables of colour maps, if every gradient turns within a pixel somewhere.
+    /// Bytes of the tables of colour maps, if every gradient turns within a pixel somewhere, and of those of
+    /// their means over pixels, where they turn in each.
     pub color_map_bytes: u64,
     /// The picture is made band by band and is never in memory whole; layers are.
     pub streams: bool,
@@ -162,7 +164,11 @@ impl Planner<'_> {
                     kept += own;
                     work = work.max(most - own);
                 }
-                Paint::Gradient(gradient) => self.plan.color_map_bytes += gradient.table_bytes(),
+                Paint::Gradient(gradient) => {
+                    let spot_scale = self.settings.spot_scale;
+                    let shader = GradientShader::new(gradient, &shape.geometry, viewport, spot_scale);
+                    self.plan.color_map_bytes += shader.table_bytes();
+                }
                 Paint::Flat(_) | Paint::Layer(..) => {}
             }
         }

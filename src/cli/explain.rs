@@ -191,7 +191,7 @@ impl Explanation {
             }
             Highlights::Supersample => "up to 16 x 16 normals in pixels that alias",
         };
-        let gradient = "evaluated where it is seen; a table of its colour map once that turns within a pixel";
+        let gradient = "evaluated where it is seen; tables of its colour map once that turns within a pixel";
         let by_region = "evaluated in each region of a pixel where the same shapes are seen; no layer";
         let in_layers = |what: &str| self.plan.layers.iter().any(|layer| layer.what.contains(what));
         let mask = match in_layers("mask") {

@@ -9,10 +9,14 @@
 //! on a side, where s is linear in t, that is a difference of G. It is exact, hard stops and all, and costs the
 //! same for a part of one stop as for a thousand repeats.
 //!
+//! Rows of many pixels in each of which the map turns have these means from tables of them, one for each of some
+//! ways in which the parameter changes in a pixel ([`super::gradient_shader`]).
+//!
 //! Of a map that repeats the integrals are those of its difference from its mean, which repeat too: nothing
 //! grows with the number of repeats, and no digits are lost to it.
 
 use super::paint::{Spread, Stop};
+use kurbo::Vec2;
 
 /// A component for each of premultiplied red, green, blue and alpha.
 type Sum = [f64; 4];
@@ -45,6 +49,8 @@ pub(crate) struct ColorMap {
     /// G on each part, as coefficients of the powers of the way from its start: where straight colours go
     /// straight, premultiplied ones go as a square, and G as its second integral.
     parts: Vec<[Sum; 5]>,
+    /// G's own integral where each part begins.
+    thirds: Vec<Sum>,
     /// How often it repeats in a unit of the parameter: 1, 1/2, or 0 if it does not; and its mean, which the
     /// integrals of one that does are without.
     frequency: f64,
@@ -78,39 +84,52 @@ impl ColorMap {
         let lines = places.windows(2).filter(|pair| pair[0].0 < pair[1].0);
         let lines: Vec<_> =
             lines.map(|pair| (pair[0].0, pair[1].0, straight_line(pair[0], pair[1]))).collect();
-        let mut map =
-            ColorMap { starts: Vec::new(), parts: Vec::new(), frequency, mean: [0.0; 4], fades: false };
+        let mut map = ColorMap {
+            starts: Vec::new(),
+            parts: Vec::new(),
+            thirds: Vec::new(),
+            frequency,
+            mean: [0.0; 4],
+            fades: false,
+        };
+        const ZERO: Sum = [0.0; 4];
         if frequency > 0.0 {
-            // Integrated from F = G = 0 on, without the mean F ends as 0, and with F's own mean taken away so
-            // does G.
-            let (sum, _) = map.integrate(&lines, [0.0; 4]);
-            map.mean = sum.map(|v| v * frequency);
-            let (_, second) = map.integrate(&lines, [0.0; 4]);
-            map.integrate(&lines, second.map(|v| -v * frequency));
+            // Integrated from 0 on, without the mean F ends as 0, with F's own mean taken away so does G, and
+            // with G's its integral.
+            let mean = |sum: Sum| sum.map(|v| v * frequency);
+            let [sum, ..] = map.integrate(&lines, [ZERO; 3]);
+            map.mean = mean(sum);
+            let [_, second, _] = map.integrate(&lines, [ZERO; 3]);
+            let first = mean(second).map(|v| -v);
+            let [.., third] = map.integrate(&lines, [first, ZERO, ZERO]);
+            map.integrate(&lines, [first, mean(third).map(|v| -v), ZERO]);
         } else {
-            map.integrate(&lines, [0.0; 4]);
+            map.integrate(&lines, [ZERO; 3]);
         }
         map
     }
 
-    /// Makes the parts, with F beginning as `first`; returns F and G at their end.
-    fn integrate(&mut self, lines: &[(f64, f64, [Sum; 3])], first: Sum) -> (Sum, Sum) {
+    /// Makes the parts, with F, G and G's integral beginning as `before`; returns these at the end.
+    fn integrate(&mut self, lines: &[(f64, f64, [Sum; 3])], mut before: [Sum; 3]) -> [Sum; 3] {
         (self.starts, self.parts) = (Vec::with_capacity(lines.len()), Vec::with_capacity(lines.len()));
-        let mut before = (first, [0.0; 4]);
+        self.thirds = Vec::with_capacity(lines.len());
         for &(from, to, [c0, c1, c2]) in lines {
+            let [first, second, third] = before;
             let c0: Sum = std::array::from_fn(|i| c0[i] - self.mean[i]);
-            let part = [before.1, before.0, c0.map(|c| c / 2.0), c1.map(|c| c / 6.0), c2.map(|c| c / 12.0)];
-            before = (slope(&part, to - from), value(&part, to - from));
+            let part = [second, first, c0.map(|c| c / 2.0), c1.map(|c| c / 6.0), c2.map(|c| c / 12.0)];
+            let length = to - from;
+            before = [slope(&part, length), value(&part, length), area(third, &part, length)];
             self.fades |= c2 != [0.0; 4];
             self.starts.push(from);
             self.parts.push(part);
+            self.thirds.push(third);
         }
         before
     }
 
     /// Bytes of one with this many stops, at most.
     pub fn bytes(stops: usize) -> u64 {
-        let part = std::mem::size_of::<[Sum; 5]>() + std::mem::size_of::<f64>();
+        let part = std::mem::size_of::<[Sum; 6]>() + std::mem::size_of::<f64>();
         (std::mem::size_of::<ColorMap>() + (2 * stops + 1) * part) as u64
     }
 
@@ -148,18 +167,49 @@ impl ColorMap {
     /// from the other two, over a b.
     #[inline]
     pub fn over_square(&self, t: f64, along: (f64, f64)) -> Option<[f32; 4]> {
-        let (x, y) = (along.0.abs(), along.1.abs());
-        let (a, b) = if x > y { (x, y) } else { (y, x) };
+        let (a, b) = changes(along);
         if !(1e-12..1e12).contains(&a) {
             return None;
         }
-        let b = if b > NARROW * a { b } else { NARROW * a };
         let (far, near) = (0.5 * (a + b), 0.5 * (a - b));
         let around = [t + far, t + near, t - near, t - far].map(|t| self.reduced(t));
         let [last, third, second, first] = around.map(|t| self.second(t));
         let inverse = 1.0 / (a * b);
         let mean = |i: usize| ((last[i] - third[i]) - (second[i] - first[i])) * inverse + self.mean[i];
         Some(std::array::from_fn(|i| (mean(i) as f32).clamp(0.0, 1.0)))
+    }
+
+    /// By how much the mean over a square of side 1 changes, premultiplied, with how much the parameter bends in
+    /// it: with what is added to it in a place d from the middle, as a multiple of q = 12 (e·d)² - 1 for a unit
+    /// vector e across `ray`, along which it grows and does not bend. That is the integral of f' q, the divergence
+    /// of f q m with m = `ray` / (`ray`·`along`), and so a sum over the sides; on one, where q is a polynomial of
+    /// the parameter, the integral of f q is that of F q - G q' + ∫G q'' at its ends.
+    pub fn bend_of_square(&self, t: f64, along: Vec2, ray: Vec2) -> [f32; 4] {
+        let least = NARROW * along.x.abs().max(along.y.abs());
+        let along = Vec2::new(apart_from_0(along.x, least), apart_from_0(along.y, least));
+        let across = Vec2::new(-ray.y, ray.x) / ray.hypot();
+        let m = ray / ray.dot(along);
+        let corners = [(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)].map(|(x, y)| {
+            let d = Vec2::new(x, y);
+            (across.dot(d), self.integrals(self.reduced(t + along.dot(d))))
+        });
+        // Of one side, on which the parameter changes by `step` and (e·d) by `turn`.
+        let side = |from: usize, to: usize, step: f64, turn: f64| -> Sum {
+            let (slope, bend) = (24.0 * turn / step, 24.0 * (turn / step).powi(2));
+            let end = |corner: usize, i: usize| {
+                let (e, [f, g, third]) = &corners[corner];
+                f[i] * (12.0 * e * e - 1.0) - g[i] * slope * e + third[i] * bend
+            };
+            std::array::from_fn(|i| (end(to, i) - end(from, i)) / step)
+        };
+        let [top, bottom] = [(0, 1), (3, 2)].map(|(from, to)| side(from, to, along.x, across.x));
+        let [left, right] = [(0, 3), (1, 2)].map(|(from, to)| side(from, to, along.y, across.y));
+        std::array::from_fn(|i| (m.x * (right[i] - left[i]) + m.y * (bottom[i] - top[i])) as f32)
+    }
+
+    /// How often it repeats in a unit of the parameter: 1, 1/2, or 0 if it does not.
+    pub fn frequency(&self) -> f64 {
+        self.frequency
     }
 
     /// A parameter without whole periods.
@@ -175,6 +225,13 @@ impl ColorMap {
         let rest = rest + if rest < 0.0 { 1.0 } else { 0.0 };
         // Numbers too great to have digits behind the point leave anything.
         rest.min(1.0) * (1.0 / self.frequency)
+    }
+
+    /// F, G and G's integral at a reduced parameter.
+    fn integrals(&self, t: f64) -> [Sum; 3] {
+        let at = self.index(t);
+        let (part, u) = (&self.parts[at], t - self.starts[at]);
+        [slope(part, u), value(part, u), area(self.thirds[at], part, u)]
     }
 
     /// F at a reduced parameter.
@@ -198,8 +255,13 @@ impl ColorMap {
     /// The part of a reduced parameter, and the way from its start.
     #[inline]
     fn part(&self, t: f64) -> (&[Sum; 5], f64) {
-        let part = self.starts[1..].partition_point(|&start| start <= t);
+        let part = self.index(t);
         (&self.parts[part], t - self.starts[part])
+    }
+
+    #[inline]
+    fn index(&self, t: f64) -> usize {
+        self.starts[1..].partition_point(|&start| start <= t)
     }
 }
 
@@ -213,6 +275,30 @@ fn value(c: &[Sum; 5], u: f64) -> Sum {
 #[inline]
 fn slope(c: &[Sum; 5], u: f64) -> Sum {
     std::array::from_fn(|i| c[1][i] + u * (2.0 * c[2][i] + u * (3.0 * c[3][i] + u * 4.0 * c[4][i])))
+}
+
+/// Its integral, from what that is at 0.
+fn area(at_0: Sum, c: &[Sum; 5], u: f64) -> Sum {
+    let powers = |i: usize| {
+        c[0][i] + u * (c[1][i] / 2.0 + u * (c[2][i] / 3.0 + u * (c[3][i] / 4.0 + u * c[4][i] / 5.0)))
+    };
+    std::array::from_fn(|i| at_0[i] + u * powers(i))
+}
+
+/// The greater and the lesser of the changes of a parameter along a square's sides, the lesser as it is taken to be.
+#[inline]
+pub(super) fn changes((x, y): (f64, f64)) -> (f64, f64) {
+    let (x, y) = (x.abs(), y.abs());
+    let (a, b) = if x > y { (x, y) } else { (y, x) };
+    (a, if b > NARROW * a { b } else { NARROW * a })
+}
+
+fn apart_from_0(v: f64, least: f64) -> f64 {
+    if v < 0.0 {
+        v.min(-least)
+    } else {
+        v.max(least)
+    }
 }
 
 /// From one place to the next: the coefficients of premultiplied colour.

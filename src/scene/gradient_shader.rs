@@ -3,16 +3,22 @@
 //! Its colour over a region is that at the region's centre as long as the colour map goes straight there.
 //! Where the map turns or jumps within the region, it is the mean ([`super::color_map`]), for which the
 //! parameter is taken to be linear; where the circles of a radial gradient are too small for that, the region is
-//! cut.
+//! cut. Where it turns in every pixel and pixels are many, rows of them have their means from tables ([`spots`]);
+//! whether there are any is a matter of the shape and the picture, not of which of its pixels are asked for.
 
 mod pattern;
+mod spots;
 mod stretch;
 
 use super::color_map::{ColorMap, Integral};
-use super::paint::{Gradient, Sheet, Spread};
+use super::paint::{Gradient, Sheet, Spread, Stop};
 use super::shader::sheet_of;
-use kurbo::{Affine, Point, Vec2};
-use pattern::{Local, Pattern};
+use crate::outlines::bounds_in_pixels;
+use crate::scene::Geometry;
+use crate::Viewport;
+use kurbo::{Point, Rect, Vec2};
+use pattern::{Aims, Local, Pattern, AT_A_TIME};
+use spots::{Demand, Filtered, Spots};
 use std::sync::OnceLock;
 use stretch::{Stretch, Stretches};
 
@@ -35,6 +41,10 @@ pub(crate) struct GradientShader<'a> {
     turns_everywhere: bool,
     /// Made for the first region in which the colour map turns.
     map: OnceLock<ColorMap>,
+    /// The pixels that may be asked for, if none is where the map goes straight.
+    pixels: f64,
+    /// Planned for the first of them.
+    spots: OnceLock<Option<Spots>>,
 }
 
 /// A gradient whose colours change by no more than this within a pixel is even there. A region that is a
@@ -54,9 +64,6 @@ const MOST_CURVE: f64 = 0.15 / 255.0;
 const MOST_HALVINGS: u32 = 5;
 const MOST_HALVINGS_OF_CIRCLES: u32 = 3;
 
-/// Pixels of a row whose parameters are made at a time.
-const AT_A_TIME: usize = 64;
-
 /// The corners of a square of side 1 around its middle.
 const CORNERS: [Vec2; 4] =
     [Vec2::new(-0.5, -0.5), Vec2::new(0.5, -0.5), Vec2::new(0.5, 0.5), Vec2::new(-0.5, 0.5)];
@@ -67,11 +74,19 @@ enum Span<'a> {
     Straight(&'a Stretch, &'a [f64]),
     /// Of one pixel.
     Pixel(Sheet),
+    /// Of these pixels, premultiplied, 0 ..= 255.
+    Tabled(&'a [[f32; 4]]),
 }
 
 impl<'a> GradientShader<'a> {
-    pub fn new(gradient: &'a Gradient, to_pixels: Affine, spot_scale: f64) -> GradientShader<'a> {
-        let pattern = Pattern::new(gradient.shape, (to_pixels * gradient.transform).inverse());
+    /// Of a shape in a picture.
+    pub fn new(
+        gradient: &'a Gradient,
+        geometry: &Geometry,
+        viewport: &Viewport,
+        spot_scale: f64,
+    ) -> GradientShader<'a> {
+        let pattern = Pattern::new(gradient.shape, (viewport.transform * gradient.transform).inverse());
         let stretches = Stretches::new(&gradient.stops, gradient.spread);
         let (steepness, farthest) = (stretches.steepness(), pattern.farthest());
         let change = if steepness > 0.0 { steepness * 2.0 * farthest } else { 0.0 };
@@ -79,16 +94,19 @@ impl<'a> GradientShader<'a> {
             Pattern::Cone(cone) => cone.straight_from(MOST_LIFT / steepness),
             Pattern::Linear { .. } | Pattern::Circles(_) => f64::NEG_INFINITY,
         };
+        let turns_everywhere = farthest.is_finite() && stretches.longest() < 2.0 * farthest * spot_scale;
         GradientShader {
             gradient,
             spot_scale,
             farthest: farthest * spot_scale,
             apex,
             contrast: (greatest_jump(gradient) + change).min(1.0),
-            turns_everywhere: farthest.is_finite() && stretches.longest() < 2.0 * farthest * spot_scale,
+            turns_everywhere,
             pattern,
             stretches,
             map: OnceLock::new(),
+            pixels: if turns_everywhere { pixels_in(geometry, viewport) } else { 0.0 },
+            spots: OnceLock::new(),
         }
     }
 
@@ -100,6 +118,11 @@ impl<'a> GradientShader<'a> {
     /// Did the colour map turn within a pixel?
     pub fn has_table(&self) -> bool {
         self.map.get().is_some()
+    }
+
+    /// Bytes of its tables, if the colour map turns within a pixel.
+    pub fn table_bytes(&self) -> u64 {
+        ColorMap::bytes(self.gradient.stops.len()) + self.spots().map_or(0, Spots::bytes)
     }
 
     /// The colour of the pixel around a point, in pixels; clear where a radial gradient has none.
@@ -130,6 +153,10 @@ impl<'a> GradientShader<'a> {
                 parameters.iter().enumerate().for_each(|(i, &t)| put(first + i, stretch.at(t)));
             }
             Span::Pixel(sheet) => put(first, sheet),
+            Span::Tabled(colors) => {
+                let sheet = |color: &[f32; 4]| sheet_of(color.map(|v| v * (1.0 / 255.0)));
+                colors.iter().enumerate().for_each(|(i, color)| put(first + i, sheet(color)));
+            }
         });
     }
 
@@ -140,6 +167,13 @@ impl<'a> GradientShader<'a> {
                 stretch.write(parameters, &mut pixels[first..first + parameters.len()]);
             }
             Span::Pixel(sheet) => pixels[first] = stretch::opaque_bytes(sheet),
+            Span::Tabled(colors) => {
+                let pixels = &mut pixels[first..first + colors.len()];
+                pixels
+                    .iter_mut()
+                    .zip(colors)
+                    .for_each(|(pixel, color)| *pixel = stretch::rounded_opaque(*color));
+            }
         });
     }
 
@@ -147,6 +181,16 @@ impl<'a> GradientShader<'a> {
     #[inline]
     fn spans(&self, x: usize, y: u32, count: usize, mut take: impl FnMut(usize, Span)) {
         let centre = |i: usize| Point::new((x + i) as f64 + 0.5, f64::from(y) + 0.5);
+        if let Some(spots) = self.spots() {
+            let (mut aims, mut colors) = (Aims::default(), [[0.0; 4]; AT_A_TIME]);
+            for first in (0..count).step_by(AT_A_TIME) {
+                let colors = &mut colors[..(count - first).min(AT_A_TIME)];
+                let other = |i: usize| self.mean_at(centre(first + i));
+                spots.row(self.filtered(), centre(first), &mut aims, (&mut *colors, other));
+                take(first, Span::Tabled(colors));
+            }
+            return;
+        }
         if self.turns_everywhere {
             self.pattern.each_of_row(centre(0), count, |i, local| {
                 take(i, Span::Pixel(self.mean(centre(i), local)));
@@ -257,6 +301,31 @@ impl<'a> GradientShader<'a> {
         }
     }
 
+    /// The mean over the spot around a point, of a gradient that has colour everywhere: premultiplied, 0 ..= 255.
+    #[inline(never)]
+    fn mean_at(&self, centre: Point) -> [f32; 4] {
+        let sheet = self.pattern.local(centre).map(|local| self.mean(centre, &local));
+        color_of(sheet.unwrap_or_else(|| self.least())).map(|v| v * 255.0)
+    }
+
+    /// Tables, where pixels are many.
+    #[inline]
+    fn spots(&self) -> Option<&Spots> {
+        if !self.turns_everywhere {
+            return None;
+        }
+        let demand = || Demand {
+            pixels: self.pixels,
+            range: range(&self.gradient.stops),
+            most_lift: MOST_CURVE / self.contrast,
+        };
+        self.spots.get_or_init(|| Spots::plan(self.filtered(), demand())).as_ref()
+    }
+
+    fn filtered(&self) -> Filtered<'_> {
+        Filtered { pattern: &self.pattern, map: self.map(), side: self.spot_scale }
+    }
+
     fn map(&self) -> &ColorMap {
         self.map.get_or_init(|| ColorMap::new(&self.gradient.stops, self.gradient.spread))
     }
@@ -353,6 +422,32 @@ impl<'a> GradientShader<'a> {
             Sheet::CLEAR
         }
     }
+}
+
+/// The pixels of a picture within a shape's bounds.
+fn pixels_in(geometry: &Geometry, viewport: &Viewport) -> f64 {
+    let picture = Rect::new(0.0, 0.0, viewport.width.into(), viewport.height.into());
+    let seen = bounds_in_pixels(geometry, viewport).intersect(picture);
+    if seen.is_finite() {
+        seen.area()
+    } else {
+        picture.area()
+    }
+}
+
+/// At least the difference of any two values of a component, premultiplied, 0 ..= 1.
+fn range(stops: &[Stop]) -> f64 {
+    let alpha = stops[0].color[3];
+    // Where colours fade they may go beyond those of the stops.
+    if stops.iter().any(|stop| stop.color[3] != alpha) {
+        return 1.0;
+    }
+    let range = |i: usize| {
+        let values = stops.iter().map(|stop| stop.color[i]);
+        values.fold((1.0f32, 0.0f32), |(least, most), v| (least.min(v), most.max(v)))
+    };
+    let ranges = (0..3).map(range).map(|(least, most)| most - least);
+    f64::from(alpha * ranges.fold(0.0, f32::max))
 }
 
 /// The greatest change of a component at a hard stop, 0 ..= 1.

@@ -278,9 +278,4 @@ impl Gradient {
         let opaque = covers && stops.iter().all(|stop| stop.color[3] >= 1.0);
         Some(Paint::Gradient(Box::new(Gradient { shape, spread, stops, transform, opaque })))
     }
-
-    /// Bytes of the table of its colour map, if one is made.
-    pub fn table_bytes(&self) -> u64 {
-        super::color_map::ColorMap::bytes(self.stops.len())
-    }
 }

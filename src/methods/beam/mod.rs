@@ -85,15 +85,16 @@ pub(super) fn paint(
         Sheet::new([r, g, b].map(unit), unit(a))
     };
     let background = settings.background.map_or(Sheet::CLEAR, sheet_of);
-    let shader = |paint| match paint {
+    let shader = |paint, geometry| match paint {
         &Paint::Flat(_) => None,
         Paint::Gradient(gradient) => {
-            let shader = GradientShader::new(gradient, viewport.transform, settings.spot_scale);
+            let shader = GradientShader::new(gradient, geometry, viewport, settings.spot_scale);
             Some(Shader::Gradient(Box::new(shader)))
         }
         Paint::Raster(_) | Paint::Layer(..) => unreachable!("refused above"),
     };
-    let shaders: Vec<Option<Shader>> = scene.shapes.iter().map(|shape| shader(&shape.paint)).collect();
+    let shaders: Vec<Option<Shader>> =
+        scene.shapes.iter().map(|shape| shader(&shape.paint, &shape.geometry)).collect();
     let around = Around { shaders: &shaders, background };
     let mut tracer = Tracer {
         scene,

@@ -52,6 +52,39 @@ impl Local {
     }
 }
 
+/// Pixels of a row that are looked up in tables at a time.
+pub(super) const AT_A_TIME: usize = 64;
+
+/// Steps of the direction in an eighth of a turn.
+pub(super) const STEPS: usize = 256;
+
+/// A little less, so that the direction at the end of an eighth is not in the next.
+const SPAN: f64 = STEPS as f64 - 1.0 / 64.0;
+
+/// What pixels of a row are looked up by.
+pub(super) struct Aims {
+    /// The mean of the parameter over the spot, in periods without whole ones: -.5 ..= .5.
+    pub phases: [f32; AT_A_TIME],
+    /// In which direction from the apex it lies, in steps, which tells how the parameter changes.
+    pub directions: [f32; AT_A_TIME],
+    /// By how much that mean is more than what the parameter is in the middle.
+    pub lifts: [f32; AT_A_TIME],
+}
+
+impl Default for Aims {
+    fn default() -> Aims {
+        Aims { phases: [0.0; AT_A_TIME], directions: [0.0; AT_A_TIME], lifts: [0.0; AT_A_TIME] }
+    }
+}
+
+/// Without whole ones: -.5 ..= .5. Numbers too great to have digits behind the point leave anything.
+#[inline]
+fn phase(periods: f64) -> f32 {
+    // Sums with it have no digits behind the point: quicker than rounding.
+    const ROUNDER: f64 = 6_755_399_441_055_744.0;
+    (periods - ((periods + ROUNDER) - ROUNDER)) as f32
+}
+
 impl Pattern {
     pub fn new(shape: GradientShape, to_plane: Affine) -> Pattern {
         match shape {
@@ -121,6 +154,46 @@ impl Pattern {
         }
     }
 
+    /// What pixels of a row from a centre on are looked up by, up to [`AT_A_TIME`]; with spots of side `side`, of a
+    /// map that repeats `frequency` times in a unit of the parameter.
+    #[inline]
+    pub fn aim(&self, first: Point, count: usize, (side, frequency): (f64, f64), aims: &mut Aims) {
+        match self {
+            Pattern::Linear { start, along } => {
+                let start = along.y * first.y + start;
+                for (i, to) in aims.phases[..count].iter_mut().enumerate() {
+                    *to = phase((along.x * (first.x + f64::from(i as u32)) + start) * frequency);
+                }
+            }
+            Pattern::Cone(cone) => cone.aim(first, count, (side, frequency), aims),
+            Pattern::Circles(_) => {}
+        }
+    }
+
+    /// Steps of the direction all around, those left out that are like others; none if places may have no
+    /// parameter.
+    pub fn steps(&self) -> usize {
+        match self {
+            Pattern::Linear { .. } => 1,
+            Pattern::Cone(cone) => STEPS * cone.eighths,
+            Pattern::Circles(_) => 0,
+        }
+    }
+
+    /// What the parameter does in the direction at the end of so many steps, and the way there from the apex. In
+    /// eighths of a turn `after` tells that it is the end of one, not the beginning of the next.
+    pub fn local_after(&self, step: usize, after: bool) -> (Local, Vec2) {
+        match self {
+            Pattern::Linear { along, .. } => (Local::on_plane(0.0, *along), *along),
+            Pattern::Cone(cone) => {
+                let eighth = step.saturating_sub(usize::from(after)) / STEPS;
+                let ray = cone.ray(eighth, (step - eighth * STEPS) as f64 / SPAN);
+                (cone.local_on(ray), ray)
+            }
+            Pattern::Circles(_) => unreachable!("it has no steps"),
+        }
+    }
+
     /// The parameter changes by no more between the centre of a pixel and its corners, anywhere.
     pub fn farthest(&self) -> f64 {
         match self {
@@ -143,6 +216,9 @@ pub(super) struct Cone {
     scale: f64,
     skew: f64,
     rest: f64,
+    /// Eighths of a turn that are not like others turned over: 1 of circles around one centre, 2 of ellipses along
+    /// the pixels' rows, all 8 of others.
+    eighths: usize,
     farthest: f64,
     /// The bend times the square of across is at most this over the parameter's distance from the apex's.
     curvature: f64,
@@ -169,16 +245,14 @@ impl Cone {
         let closest = dr - dx.hypot(dy);
         let farthest = 0.5 * (a.hypot(b) + c.hypot(d)) / closest;
         let greatest = 0.5 * (scale + last + (scale - last).hypot(2.0 * mixed));
-        let cone = Cone {
-            apex,
-            t,
-            linear,
-            scale,
-            skew: mixed / scale,
-            rest: determinant / scale,
-            farthest,
-            curvature: 2.0 * greatest,
+        let (skew, rest) = (mixed / scale, determinant / scale);
+        let is_small = |v: f64| v.abs() < 1e-9;
+        let eighths = match is_small(skew) && is_small(linear.hypot() / scale.sqrt()) {
+            true if is_small(rest / scale - 1.0) => 1,
+            true => 2,
+            false => 8,
         };
+        let cone = Cone { apex, t, linear, scale, skew, rest, eighths, farthest, curvature: 2.0 * greatest };
         let figures = [t, linear.x, linear.y, cone.skew, cone.rest, farthest, greatest];
         (apex.is_finite() && figures.into_iter().all(f64::is_finite)).then_some(cone)
     }
@@ -190,7 +264,12 @@ impl Cone {
 
     #[inline]
     fn local(&self, p: Point) -> Local {
-        let v = p - self.apex;
+        self.local_on(p - self.apex)
+    }
+
+    /// At the end of a way from the apex.
+    #[inline]
+    fn local_on(&self, v: Vec2) -> Local {
         let x = v.x + self.skew * v.y;
         // No place is so near to the apex that it has no slope.
         let norm = (self.scale * x * x + self.rest * v.y * v.y).sqrt().max(1e-100);
@@ -203,6 +282,48 @@ impl Cone {
             across,
             bend: self.scale * self.rest * inverse * inverse * inverse,
         }
+    }
+
+    /// See [`Pattern::aim`]. Where the circles are around one centre the eighths of a turn are those of the plane,
+    /// otherwise those of the one in which they are, the first from the x axis to the diagonal; in each, steps
+    /// are of the tangent.
+    #[inline]
+    fn aim(&self, first: Point, count: usize, (side, frequency): (f64, f64), aims: &mut Aims) {
+        let y = first.y - self.apex.y;
+        let (rest, skewed, y_square) = (self.rest * y * y, self.skew * y, y * y);
+        let start = self.t + self.linear.y * y;
+        let curve = side * side * self.scale * self.rest / 24.0;
+        let root = self.scale.sqrt();
+        let mut across = [0.0; AT_A_TIME];
+        for i in 0..count {
+            let x = first.x + f64::from(i as u32) - self.apex.x;
+            let u = x + skewed;
+            let square = self.scale * u * u + rest;
+            let norm = square.sqrt();
+            let lift = curve * (x * x + y_square) / (square * norm);
+            aims.phases[i] = phase((start + self.linear.x * x + norm + lift) * frequency);
+            aims.lifts[i] = lift as f32;
+            across[i] = (root * u) as f32;
+        }
+        let down = (self.rest.sqrt() * y) as f32;
+        let eighths = |which: usize| if which < self.eighths { (which * STEPS) as f32 } else { 0.0 };
+        let (beyond, left, above) = (eighths(1), eighths(2), if down < 0.0 { eighths(4) } else { 0.0 });
+        let down = down.abs();
+        for (to, &across) in aims.directions[..count].iter_mut().zip(&across) {
+            let turned = if across < 0.0 { above + left } else { above };
+            let across = across.abs();
+            let (least, most) = if across < down { (across, down) } else { (down, across) };
+            let turned = if across < down { turned + beyond } else { turned };
+            *to = turned + least / most * SPAN as f32;
+        }
+    }
+
+    /// A way from the apex in an eighth of a turn, by the tangent in it.
+    fn ray(&self, eighth: usize, tangent: f64) -> Vec2 {
+        let (across, down) = if eighth & 1 == 0 { (1.0, tangent) } else { (tangent, 1.0) };
+        let sign = |bit: usize| if eighth & bit == 0 { 1.0 } else { -1.0 };
+        let y = sign(4) * down / self.rest.sqrt();
+        Vec2::new(sign(2) * across / self.scale.sqrt() - self.skew * y, y)
     }
 
     fn row(&self, first: Point, parameters: &mut [f64]) {

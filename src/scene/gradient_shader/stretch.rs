@@ -33,6 +33,13 @@ fn rounded_bytes(color: [f32; 3]) -> [u8; 4] {
     word.to_le_bytes()
 }
 
+/// Red, green and blue of 0 ..= 255, with full alpha in place of the last.
+#[inline]
+pub(super) fn rounded_opaque(color: [f32; 4]) -> [u8; 4] {
+    let [r, g, b, _] = color.map(|v| (v + ROUNDER).to_bits() as u8);
+    [r, g, b, 255]
+}
+
 /// Of a sheet that hides what lies behind.
 #[inline]
 pub(super) fn opaque_bytes(sheet: Sheet) -> [u8; 4] {
