@@ -8,18 +8,26 @@ use toon_raster::{Options, Renderer, Scene, Settings, Viewport};
 const SIDE: u32 = 48;
 
 fn scene(body: &str) -> Scene {
-    let svg = format!("<svg xmlns='http://www.w3.org/2000/svg' width='{SIDE}' height='{SIDE}'>{body}</svg>");
+    sized_scene(SIDE, body)
+}
+
+fn sized_scene(side: u32, body: &str) -> Scene {
+    let svg = format!("<svg xmlns='http://www.w3.org/2000/svg' width='{side}' height='{side}'>{body}</svg>");
     Scene::from_bytes(svg.as_bytes(), &Options::default()).expect("a drawing")
 }
 
 /// A square full of a gradient: black, then a hard stop to white, which turns grey.
 fn gradient(element: &str, attributes: &str) -> Scene {
-    scene(&format!(
+    scene(&filled(SIDE, element, attributes))
+}
+
+fn filled(side: u32, element: &str, attributes: &str) -> String {
+    format!(
         "<{element} id='g' gradientUnits='userSpaceOnUse' {attributes}><stop stop-color='#000'/>
         <stop offset='.4' stop-color='#000'/><stop offset='.4' stop-color='#fff'/>
         <stop offset='1' stop-color='#808080'/></{element}>
-        <rect width='{SIDE}' height='{SIDE}' fill='url(#g)'/>"
-    ))
+        <rect width='{side}' height='{side}' fill='url(#g)'/>"
+    )
 }
 
 /// The stops above: 0 ..= 255.
@@ -75,9 +83,9 @@ const ROUNDING: f64 = 0.5;
 /// Where the rings' stops are, in turns: the last of one turn is the first of the next.
 const STOPS: [f64; 2] = [0.0, 0.4];
 
-/// The mean of rings of this width over each pixel: 512 rows of it, each integrated from ring to ring, between
+/// The mean of rings of this width over each pixel of a square from a corner on: 512 rows of it, each integrated from ring to ring, between
 /// which Gauss's four points are exact to a thousandth of a level.
-fn integrated(width: f64) -> Vec<f64> {
+fn integrated(width: f64, (left, top): (u32, u32)) -> Vec<f64> {
     const ROWS: u32 = 512;
     const GAUSS: [(f64, f64); 4] = [
         (-0.861_136_311_594_052_6, 0.347_854_845_137_453_8),
@@ -107,7 +115,7 @@ fn integrated(width: f64) -> Vec<f64> {
         (from, to) => piece(0.0, -from, y) + piece(0.0, to, y),
     };
     let pixel = |i: u32| {
-        let (x, y) = (f64::from(i % SIDE) - CENTRE.0, f64::from(i / SIDE) - CENTRE.1);
+        let (x, y) = (f64::from(left + i % SIDE) - CENTRE.0, f64::from(top + i / SIDE) - CENTRE.1);
         let rows = (0..ROWS).map(|r| row(x, y + (f64::from(r) + 0.5) / f64::from(ROWS)));
         rows.sum::<f64>() / f64::from(ROWS)
     };
@@ -119,7 +127,7 @@ fn rings_finer_than_a_pixel_are_within_a_quarter_level_of_their_mean_and_roundin
     for width in [7.0, 3.0, 1.5, 0.9, 0.6] {
         let parameter = ring(width);
         let found = levels(&rings(width), Settings::default());
-        let truth = integrated(width);
+        let truth = integrated(width, (0, 0));
         let points = supersampled(|x, y| level(parameter(x, y)));
         let (most, rms) = difference(&found, &truth);
         let (most_of_points, rms_of_points) = difference(&points, &truth);
@@ -132,6 +140,30 @@ fn rings_finer_than_a_pixel_are_within_a_quarter_level_of_their_mean_and_roundin
         assert!(rms < 0.3 && most < ROUNDING + 0.25, "{width}: {most}, rms {rms}");
         // What is more than a level from 64 x 64 points is so by the points' own error.
         assert!(apart < ROUNDING + 0.25 + most_of_points, "{width}: {apart}, {most_of_points}");
+    }
+}
+
+#[test]
+fn rings_in_a_picture_so_large_that_there_are_tables_are_as_near_to_their_mean_on_any_threads() {
+    const LARGE: u32 = 512;
+    for width in [1.9, 0.9] {
+        let (x, y) = CENTRE;
+        let attributes = format!("cx='{x}' cy='{y}' r='{width}' spreadMethod='repeat'");
+        let scene = sized_scene(LARGE, &filled(LARGE, "radialGradient", &attributes));
+        let picture = |threads: usize| {
+            let mut renderer =
+                Renderer::new(Settings { threads, ..Settings::default() }).expect("a renderer");
+            renderer.render(&scene, &Viewport::fit(&scene, LARGE, LARGE)).expect("a picture")
+        };
+        let found = picture(1);
+        assert!(found.data() == picture(3).data(), "{width}");
+        for (left, top) in [(0, 0), (20, 17), (90, 30), (18, 300), (400, 0), (464, 464)] {
+            let pixel = |i: u32| found.pixel(left + i % SIDE, top + i / SIDE)[0];
+            let part: Vec<f64> = (0..SIDE * SIDE).map(|i| f64::from(pixel(i))).collect();
+            let (most, rms) = difference(&part, &integrated(width, (left, top)));
+            println!("rings {width} px wide from {left}, {top}: at most {most:.3} levels off, rms {rms:.3}");
+            assert!(rms < 0.3 && most < ROUNDING + 0.25, "{width}, {left}, {top}: {most}, rms {rms}");
+        }
     }
 }
 
