@@ -1,20 +1,39 @@
 //! Takes an image and a transform, makes a layer: each pixel is the mean of the image over the pixel's
-//! footprint ([`averaged`]), or lies between four samples where the image is enlarged.
+//! footprint, or lies between four samples where the image is enlarged.
 //!
-//! Images are kept as they are decoded, four bytes a pixel, and what is drawn of them costs no table.
+//! | spot in the image | read | |
+//! |---|---|---|
+//! | less than a texel each way | four texels, or the nearest | [`between`] |
+//! | up to 64 texels across | every texel once, through running sums of its row (Crow 1984) | [`averaged`] |
+//! | more | the same of a level of the image's pyramid (Williams 1983) | [`levels`] |
+//!
+//! The spot's shorter axis chooses the level: by the longer one a MIP map blurs across it (Heckbert 1986, *Survey
+//! of Texture Mapping*). Along the longer axis the sums add up as many texels as there are. A table of sums over
+//! the whole plane would make every spot cost the same, but takes four times the image's memory and knows boxes
+//! alone, not parallelograms.
+//!
+//! Images are kept as they are decoded, four bytes a pixel; levels, an eighth and a third of that again, are
+//! made when a drawing first asks for one.
 
 mod averaged;
+mod levels;
+mod piles;
+mod scan;
 
 use crate::effects::layer::{premultiplied, IntRect, Layer, Pixel, Space};
+use crate::scene::print::Print;
 use kurbo::{Affine, Point};
+use std::sync::OnceLock;
 
 /// Decoded pixels, which are unit squares from the origin on: sRGB-encoded with straight alpha.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub(crate) struct Image {
     rect: IntRect,
     /// Row by row from the top.
     bytes: Vec<u8>,
     opaque: bool,
+    coarser: OnceLock<levels::Level>,
+    print: OnceLock<Print>,
 }
 
 impl Image {
@@ -24,7 +43,7 @@ impl Image {
         let rect = IntRect::new(0, 0, width, height);
         assert_eq!(bytes.len() as u64, rect.area() * 4, "four bytes a pixel");
         let opaque = bytes.as_chunks().0.iter().all(|&[.., alpha]: &[u8; 4]| alpha == 255);
-        Image { rect, bytes, opaque }
+        Image { rect, bytes, opaque, coarser: OnceLock::new(), print: OnceLock::new() }
     }
 
     pub fn rect(&self) -> IntRect {
@@ -38,6 +57,15 @@ impl Image {
     /// Has it no pixel that lets anything through?
     pub fn is_opaque(&self) -> bool {
         self.opaque
+    }
+
+    /// Of its size and its pixels: however often it is drawn, these are gone through once.
+    pub fn print(&self) -> Print {
+        *self.print.get_or_init(|| {
+            let mut print = Print::new(self.rect.width() as u64);
+            print.add_bytes(&self.bytes);
+            print
+        })
     }
 
     fn pixels(&self) -> &[[u8; 4]] {
@@ -77,8 +105,9 @@ fn premultiply(from: &[[u8; 4]], to: &mut [Pixel]) {
     }
 }
 
-/// Draws `image` over a rectangle, `nearest` where each of its pixels is to be a square. Up to a pixel
-/// beyond its edges the image goes on as it ends; farther out it may do so, or be clear.
+/// Draws `image` over a rectangle, `nearest` where each of its pixels is to be a square: where these are
+/// enlarged both ways, a pixel has the colour of the one at its middle. Up to a pixel beyond its edges the image
+/// goes on as it ends; farther out it may do so, or be clear.
 pub(crate) fn drawn(image: &Image, to_pixels: Affine, rect: IntRect, nearest: bool) -> Layer {
     if let Some(by) = whole_move(to_pixels) {
         return image.moved(by, rect);
@@ -87,16 +116,25 @@ pub(crate) fn drawn(image: &Image, to_pixels: Affine, rect: IntRect, nearest: bo
     if to_pixels.determinant() == 0.0 || !back.is_finite() || image.rect.is_empty() || rect.is_empty() {
         return Layer::clear(rect, Space::Srgb);
     }
-    if nearest {
-        return sampled(back, rect, |at| {
+    let level = levels::level_for(spot(back), image);
+    let side = f64::from(1u32 << level);
+    let size = (image.rect.width() as f64 / side, image.rect.height() as f64 / side);
+    match scan::Scan::new(Affine::scale(1.0 / side) * back, rect, size, nearest) {
+        Some(scan) if scan.averages() || scan.is_straight() && !nearest => {
+            averaged::drawn(image, level, &scan, rect)
+        }
+        _ if nearest => sampled(back, rect, |at| {
             let (x, y) = last(image);
             image.pixel(at.x.max(0.0).min(x) as usize, at.y.max(0.0).min(y) as usize)
-        });
-    }
-    match averaged::Scan::new(back, rect, image.rect) {
-        Some(scan) if scan.is_straight() || scan.averages() => averaged::drawn(image, &scan, rect),
+        }),
         _ => sampled(back, rect, |at| between(image, at)),
     }
+}
+
+/// The shorter axis of a pixel's parallelogram in the image, across its longer side.
+fn spot(back: Affine) -> f64 {
+    let [a, b, c, d, ..] = back.as_coeffs();
+    back.determinant().abs() / a.hypot(b).max(c.hypot(d))
 }
 
 /// The move of a transform that moves by whole pixels and does nothing else.

@@ -5,6 +5,7 @@
 
 use super::shelf::Shelf;
 use super::split::{Role, Split};
+use crate::scene::images::Images;
 use crate::scene::load;
 use crate::scene::parts::{assemble, cut, ScenePart, CUT};
 use crate::scene::print::{of_bytes, Print};
@@ -19,11 +20,12 @@ const ROOM: usize = 128 << 20;
 /// The cels of drawings made lately.
 pub struct Cels {
     shelf: Shelf<ScenePart>,
+    images: Arc<Images>,
 }
 
 impl Default for Cels {
     fn default() -> Cels {
-        Cels { shelf: Shelf::new(ROOM) }
+        Cels { shelf: Shelf::new(ROOM), images: Arc::default() }
     }
 }
 
@@ -57,7 +59,7 @@ impl Cels {
             let pieces = missing.iter().map(|&i| drawn[i]).collect();
             let linked = missing.iter().flat_map(|&i| closures[i].iter().copied()).collect();
             let tree = load::straight_tree(&moment.text(&pieces, &linked), options).ok()??;
-            let made = cut(&tree, missing.len()).ok()??;
+            let made = cut(&tree, missing.len(), &self.images).ok()??;
             for (&i, part) in missing.iter().zip(made) {
                 parts[i] = Some(Arc::new(part));
             }

@@ -1,6 +1,7 @@
 //! Takes usvg's tree, makes a [`Scene`]: walks it once, back to front, with the transform, clip and
 //! group that hold at each node.
 
+use super::images::Images;
 use super::paint::{Gradient, GradientShape, Paint, Spread, Stop};
 use super::parts::CUT_ID;
 use super::print::{self, Print};
@@ -89,6 +90,8 @@ pub(super) struct Walk {
     pub cuts: Vec<(usize, usize)>,
     /// Images, by their bytes.
     images: HashMap<Arc<Vec<u8>>, Option<Arc<texture::Image>>>,
+    /// Those of other drawings as well.
+    shared: Arc<Images>,
     /// What feImages show, by what they refer to in usvg's tree.
     filter_images: HashMap<usize, Arc<Scene>>,
     /// Rasters around the walk.
@@ -117,6 +120,7 @@ impl Default for Walk {
             warnings: Vec::new(),
             cuts: Vec::new(),
             images: HashMap::new(),
+            shared: Arc::default(),
             filter_images: HashMap::new(),
             nesting: 0,
             contents: 0,
@@ -128,9 +132,9 @@ impl Default for Walk {
 }
 
 impl Walk {
-    /// Through a whole tree.
-    pub fn of(tree: &usvg::Tree) -> Result<Walk, Error> {
-        let mut walk = Walk::default();
+    /// Through a whole tree, which may have images of others.
+    pub fn of(tree: &usvg::Tree, shared: &Arc<Images>) -> Result<Walk, Error> {
+        let mut walk = Walk { shared: shared.clone(), ..Walk::default() };
         let place = Place { transform: Affine::IDENTITY, clip: None, group: 0, depth: 0 };
         walk.group(tree.root(), place)?;
         Ok(walk)
@@ -221,7 +225,7 @@ impl Walk {
         if let Some(known) = self.images.get(bytes) {
             return Ok(known.clone());
         }
-        let image = decoded(bytes).map(Arc::new);
+        let image = self.shared.get(bytes);
         self.images.insert(bytes.clone(), image.clone());
         let all: u64 = self.images.values().flatten().map(|image| image.rect().area()).sum();
         match all > MOST_IMAGE_PIXELS {
@@ -304,6 +308,7 @@ impl Walk {
         let mut walk = Walk { nesting: self.nesting + 1, contents: self.contents, ..Walk::default() };
         walk.warnings = std::mem::take(&mut self.warnings);
         walk.images = std::mem::take(&mut self.images);
+        walk.shared = self.shared.clone();
         walk.filter_images = std::mem::take(&mut self.filter_images);
         walk.before = self.before + self.shapes.len();
         walk.around = if group.id().is_empty() { self.around.clone() } else { group.id().to_string() };
@@ -497,17 +502,6 @@ fn blends_inside(group: &usvg::Group) -> bool {
         }
         _ => false,
     })
-}
-
-/// An image; `None` when its bytes are no image, or decoding would take more than 512 MiB.
-fn decoded(bytes: &[u8]) -> Option<texture::Image> {
-    const MOST_BYTES: u64 = 512 << 20;
-    let mut reader = image::ImageReader::new(std::io::Cursor::new(bytes)).with_guessed_format().ok()?;
-    let mut limits = image::Limits::default();
-    limits.max_alloc = Some(MOST_BYTES);
-    reader.limits(limits);
-    let pixels = reader.decode().ok()?.into_rgba8();
-    Some(texture::Image::new(pixels.width(), pixels.height(), pixels.into_raw()))
 }
 
 fn rect(rect: usvg::NonZeroRect) -> Rect {

@@ -7,6 +7,7 @@ pub mod census;
 pub(crate) mod color_map;
 mod convert;
 pub(crate) mod gradient_shader;
+pub(crate) mod images;
 pub(crate) mod paint;
 pub(crate) mod parts;
 pub(crate) mod print;

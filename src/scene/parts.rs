@@ -5,11 +5,14 @@
 //! composites: see `crate::frames::cels`, which knows where that is so.
 
 use super::convert::Walk;
+use super::images::Images;
+use super::paint::Paint;
 use super::print::{self, Print};
 use super::{Clip, ClipId, Group, GroupId, Scene, Shape};
 use crate::Error;
 use kurbo::Size;
 use std::collections::{BTreeSet, HashMap};
+use std::sync::Arc;
 
 /// The id of the group that marks a cut.
 pub(crate) const CUT_ID: &str = "toon-raster-cut";
@@ -35,13 +38,17 @@ pub(crate) struct ScenePart {
     groups: Vec<Group>,
 }
 
-/// The parts of a drawing behind each of its cuts; `None` if there are not `count`, or something before the
+/// The parts of a drawing behind each of its cuts, which may have `images` of others; `None` if there are not `count`, or something before the
 /// first, or not all can be drawn as SVG says.
 ///
 /// # Errors
 /// As [`Scene::from_tree`].
-pub(crate) fn cut(tree: &usvg::Tree, count: usize) -> Result<Option<Vec<ScenePart>>, Error> {
-    let walk = Walk::of(tree)?;
+pub(crate) fn cut(
+    tree: &usvg::Tree,
+    count: usize,
+    images: &Arc<Images>,
+) -> Result<Option<Vec<ScenePart>>, Error> {
+    let walk = Walk::of(tree, images)?;
     let starts_behind_a_cut = walk.cuts.first().is_none_or(|&(shapes, _)| shapes == 0);
     if walk.cuts.len() != count || !starts_behind_a_cut || !walk.warnings.is_empty() {
         return Ok(None);
@@ -115,9 +122,12 @@ pub(crate) fn assemble<'p>(parts: impl Iterator<Item = &'p ScenePart> + Clone) -
 }
 
 impl ScenePart {
-    /// About as many bytes as it takes.
+    /// About as many bytes as it takes, were its images its own.
     pub fn weight(&self) -> usize {
-        let points = |shape: &Shape| shape.geometry.path.points().len() * 8 + 400;
-        self.shapes.iter().map(points).sum::<usize>() + self.clips.len() * 400
+        let weight = |shape: &Shape| match &shape.paint {
+            Paint::Raster(raster) => 800 + raster.image_bytes(),
+            _ => 400 + shape.geometry.path.points().len() * 8,
+        };
+        self.shapes.iter().map(weight).sum::<usize>() + self.clips.len() * 400
     }
 }

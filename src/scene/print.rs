@@ -213,8 +213,7 @@ pub(crate) fn of_raster(raster: &Raster) -> Print {
     match &raster.source {
         Source::Image { image, nearest } => {
             print.add(u64::from(*nearest));
-            print.add(image.rect().width() as u64);
-            print.add_bytes(image.bytes());
+            print.add_print(image.print());
         }
         Source::Tiles(scene, place) => {
             print.add(2);

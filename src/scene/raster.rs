@@ -2,6 +2,7 @@
 //! are kept as scenes of their own, to be made into layers of pixels at a picture's scale
 //! ([`crate::layers`]), or groups of the scene around them ([`super::unfold`]).
 
+use super::paint::Paint;
 use super::Scene;
 use crate::texture;
 use kurbo::{Affine, Rect};
@@ -20,6 +21,22 @@ pub(crate) struct Raster {
 }
 
 impl Raster {
+    /// Bytes of the images that it shows, but in masks, if all were its own.
+    pub fn image_bytes(&self) -> usize {
+        let of_scene = |scene: &Scene| -> usize {
+            let rasters = scene.shapes.iter().filter_map(|shape| match &shape.paint {
+                Paint::Raster(raster) => Some(raster.image_bytes()),
+                _ => None,
+            });
+            rasters.sum()
+        };
+        match &self.source {
+            Source::Image { image, .. } => image.bytes().len(),
+            Source::Tiles(tile, _) => of_scene(tile),
+            Source::Group(group) => of_scene(&group.content),
+        }
+    }
+
     /// How deep rasters lie in what it shows.
     pub fn depth_within(&self) -> usize {
         match &self.source {

@@ -18,25 +18,44 @@ fn detailed(width: u32, height: u32) -> Image {
     })
 }
 
-/// Transforms that make an image smaller, and the mean difference in 8-bit levels that detail may have.
-fn ways() -> Vec<(&'static str, Affine, f64)> {
+/// Columns of any grey.
+fn any_columns(width: u32, height: u32) -> Image {
+    image(width, height, |x, _| {
+        let v = (x.wrapping_mul(2_654_435_761) >> 24) as u8;
+        [v, v, v, 255]
+    })
+}
+
+/// Transforms that make an image smaller, and the mean difference in 8-bit levels that detail may have, and
+/// that columns of one texel may have.
+fn ways() -> Vec<(&'static str, Affine, f64, f64)> {
+    let scaled = |x: f64, y: f64| Affine::scale_non_uniform(x, y);
     let turned = |degrees: f64, scale: f64| Affine::rotate(degrees.to_radians()) * Affine::scale(scale);
+    let skewed = |x: f64, y: f64, scale: f64| Affine::skew(x, y) * Affine::scale(scale);
     vec![
-        ("4 times down", Affine::scale(0.25), 0.001),
-        ("3.3 times down", Affine::scale(0.3).then_translate((0.4, 0.7).into()), 0.8),
-        ("a little down", Affine::scale(0.9).then_translate((0.4, 0.7).into()), 0.5),
-        ("down across, up along", Affine::scale_non_uniform(0.2, 1.7), 2.0),
-        ("mirrored", Affine::new([-0.4, 0.0, 0.0, 0.35, 30.0, 1.0]), 0.8),
-        ("turned by 30", turned(30.0, 0.4), 1.0),
-        ("turned by 45", turned(45.0, 0.4), 1.8),
-        ("turned by 75", turned(75.0, 0.4), 0.5),
-        ("turned by 230, a little down", turned(230.0, 0.66), 2.8),
-        ("on its side", turned(90.0, 0.3), 1.1),
-        ("on its other side", turned(-90.0, 0.3), 1.1),
-        ("at its size, turned by 30", turned(30.0, 1.0), 1.6),
-        ("skewed", Affine::skew(0.5, 0.0) * Affine::scale(0.3), 0.8),
-        ("skewed much", Affine::skew(4.0, 0.0) * Affine::scale(0.5), 1.0),
-        ("skewed both ways", Affine::skew(0.3, -0.4) * Affine::scale_non_uniform(0.2, 0.6), 1.2),
+        ("4 times down", scaled(0.25, 0.25), 0.001, 0.001),
+        ("3.3 times down", scaled(0.3, 0.3).then_translate((0.4, 0.7).into()), 0.001, 0.001),
+        ("a little down", scaled(0.9, 0.9).then_translate((0.4, 0.7).into()), 0.001, 0.001),
+        ("down across, up along", scaled(0.2, 1.7), 0.9, 0.001),
+        ("mirrored", Affine::new([-0.4, 0.0, 0.0, 0.35, 30.0, 1.0]), 0.001, 0.001),
+        ("turned by 30", turned(30.0, 0.4), 0.8, 2.5),
+        ("turned by 45", turned(45.0, 0.4), 1.6, 4.2),
+        ("turned by 75", turned(75.0, 0.4), 0.4, 1.6),
+        ("turned by 230, a little down", turned(230.0, 0.66), 1.3, 14.0),
+        ("on its side", turned(90.0, 0.3), 0.001, 0.001),
+        ("on its other side", turned(-90.0, 0.3), 0.001, 0.001),
+        ("at its size, turned by 30", turned(30.0, 1.0), 1.5, 18.0),
+        ("skewed", skewed(0.5, 0.0, 0.3), 0.3, 0.75),
+        ("skewed by 2", skewed(2.0, 0.0, 0.5), 0.001, 0.001),
+        ("skewed much", skewed(4.0, 0.0, 0.5), 0.001, 0.001),
+        ("skewed much and small", skewed(4.0, 0.0, 0.3), 0.1, 0.1),
+        ("skewed by 12", skewed(12.0, 0.0, 0.3), 0.1, 0.1),
+        ("skewed downward", skewed(0.0, 4.0, 0.5), 1.3, 3.0),
+        ("skewed both ways", Affine::skew(0.3, -0.4) * scaled(0.2, 0.6), 0.9, 2.4),
+        ("skewed, then turned", turned(30.0, 0.5) * Affine::skew(3.0, 0.0), 0.3, 0.5),
+        ("to a hundredth across", scaled(0.01, 1.0), 0.001, 0.001),
+        ("turned, then to a 20th across", scaled(0.05, 1.0) * Affine::rotate(0.7), 0.3, 1.5),
+        ("to a 20th across and up along, then turned", turned(30.0, 1.0) * scaled(0.05, 3.0), 1.3, 1.0),
     ]
 }
 
@@ -45,49 +64,179 @@ fn around(image: &Image, to_pixels: Affine) -> IntRect {
     IntRect::around(to_pixels.transform_rect_bbox(image.rect().to_rect()))
 }
 
-/// Of 16 x 16 points of a pixel, those in the image, and what they add up to.
-fn points(image: &Image, back: Affine, (x, y): (i32, i32)) -> (f64, [f64; 4]) {
+/// Of a pixel's parallelogram in the image: the share of it that lies in the image, and the integral of the
+/// image's squares over that.
+fn exact(image: &Image, back: Affine, (x, y): (i32, i32)) -> (f64, [f64; 4]) {
+    let corners = IntRect::new(x, y, 1, 1).to_rect();
+    let corners = [
+        (corners.x0, corners.y0),
+        (corners.x1, corners.y0),
+        (corners.x1, corners.y1),
+        (corners.x0, corners.y1),
+    ];
+    let corners: Vec<Point> = corners.into_iter().map(|corner| back * Point::from(corner)).collect();
+    let all = area(&corners);
     let (mut inside, mut sum) = (0.0, [0.0; 4]);
-    for i in 0..256 {
-        let (dx, dy) = (f64::from(i % 16) + 0.5, f64::from(i / 16) + 0.5);
-        let at = back * Point::new(f64::from(x) + dx / 16.0, f64::from(y) + dy / 16.0);
-        if image.rect().to_rect().contains(at) {
-            let pixel = image.pixel(at.x as usize, at.y as usize);
-            sum.iter_mut().zip(pixel).for_each(|(sum, v)| *sum += f64::from(v));
-            inside += 1.0;
+    for row in seen(corners.iter().map(|at| at.y), image.rect().height()) {
+        let slab = cut(&cut(&corners, |at| at.y - row as f64), |at| row as f64 + 1.0 - at.y);
+        for column in seen(slab.iter().map(|at| at.x), image.rect().width()) {
+            let piece = cut(&cut(&slab, |at| at.x - column as f64), |at| column as f64 + 1.0 - at.x);
+            let share = area(&piece) / all;
+            inside += share;
+            sum.iter_mut().zip(image.pixel(column, row)).for_each(|(sum, v)| *sum += share * f64::from(v));
         }
     }
     (inside, sum)
 }
 
-#[test]
-fn an_image_made_smaller_is_near_the_mean_of_many_points_of_each_pixel() {
-    let image = detailed(120, 100);
-    for (name, to_pixels, bound) in ways() {
-        let rect = around(&image, to_pixels);
-        let layer = drawn(&image, to_pixels, rect, false);
-        let (mut sum, mut worst, mut count) = (0.0, 0.0f64, 0);
-        for y in rect.y()..rect.bottom() {
-            for x in rect.x()..rect.right() {
-                let (inside, points) = points(&image, to_pixels.inverse(), (x, y));
-                // As much of the pixel as the image covers.
-                for (found, points) in layer.pixel(x, y).into_iter().zip(points) {
-                    let off = (f64::from(found) * inside - points).abs() * 255.0 / 256.0;
-                    (sum, worst) = (sum + off, worst.max(off));
-                    count += if inside > 0.0 { 1 } else { 0 };
-                }
+/// The texels in which numbers lie.
+fn seen(numbers: impl Iterator<Item = f64>, texels: usize) -> std::ops::Range<usize> {
+    let (from, to) = numbers.fold((f64::MAX, 0.0f64), |(from, to), v| (from.min(v), to.max(v)));
+    from.max(0.0) as usize..(to.ceil() as usize).min(texels)
+}
+
+/// The part of a polygon where a linear function is positive (Sutherland and Hodgman 1974).
+fn cut(polygon: &[Point], depth: impl Fn(&Point) -> f64) -> Vec<Point> {
+    let mut kept = Vec::new();
+    for (i, &to) in polygon.iter().enumerate() {
+        let from = polygon[(i + polygon.len() - 1) % polygon.len()];
+        let (one, other) = (depth(&from), depth(&to));
+        if (one > 0.0) != (other > 0.0) {
+            kept.push(from.lerp(to, one / (one - other)));
+        }
+        if other > 0.0 {
+            kept.push(to);
+        }
+    }
+    kept
+}
+
+fn area(polygon: &[Point]) -> f64 {
+    let last = polygon.last().copied().unwrap_or_default();
+    let before = std::iter::once(last).chain(polygon.iter().copied());
+    let crosses = before.zip(polygon).map(|(one, other)| one.to_vec2().cross(other.to_vec2()));
+    (0.5 * crosses.sum::<f64>()).abs()
+}
+
+/// The mean and the largest difference in 8-bit levels between a drawn image and the exact mean of its squares
+/// over each pixel, both times how much of the pixel the image covers.
+fn off(image: &Image, to_pixels: Affine, nearest: bool) -> (f64, f64) {
+    let rect = around(image, to_pixels);
+    let layer = drawn(image, to_pixels, rect, nearest);
+    let (mut sum, mut worst, mut count) = (0.0, 0.0f64, 0);
+    for y in rect.y()..rect.bottom() {
+        for x in rect.x()..rect.right() {
+            let (inside, exact) = exact(image, to_pixels.inverse(), (x, y));
+            for (found, exact) in layer.pixel(x, y).into_iter().zip(exact) {
+                let off = (f64::from(found) * inside - exact).abs() * 255.0;
+                (sum, worst) = (sum + off, worst.max(off));
+                count += i32::from(inside > 1e-9);
             }
         }
-        let mean = sum / f64::from(count);
-        println!("{name}: {mean:.3}, at worst {worst:.1}");
-        assert!(mean < bound, "{name}: {mean}");
+    }
+    (sum / f64::from(count), worst)
+}
+
+#[test]
+fn an_image_made_smaller_is_near_the_mean_of_its_squares_over_each_pixel() {
+    let (detailed, columns, any_columns) = (detailed(120, 100), columns(120, 100), any_columns(120, 100));
+    for (name, to_pixels, of_detail, of_columns) in ways() {
+        for (image, bound) in [(&detailed, of_detail), (&columns, of_columns), (&any_columns, of_columns)] {
+            let (mean, worst) = off(image, to_pixels, false);
+            println!("{name}: {mean:.3}, at worst {worst:.1}, up to {bound}");
+            assert!(mean < bound, "{name}: {mean}");
+        }
+    }
+}
+
+/// Discs and rings on white, with holes, and fine stripes.
+fn drawing(width: u32, height: u32) -> Image {
+    image(width, height, |x, y| {
+        let (cell, radius) = ((x / 90 * 5 + y / 90 * 3), f64::from(x % 90).hypot(f64::from(y % 90) - 40.0));
+        match radius {
+            r if r > 60.0 && cell.is_multiple_of(4) => [0; 4],
+            r if r > 60.0 => [255; 4],
+            r if r > 50.0 => [0, 0, 0, 255],
+            _ if cell.is_multiple_of(3) => [(x % 2 * 255) as u8, 200, 60, 255],
+            _ => [200, (cell * 31) as u8, 90, 255],
+        }
+    })
+}
+
+#[test]
+fn an_image_read_from_a_level_is_near_the_mean_of_its_squares_over_each_pixel() {
+    // Sides that are no multiple of anything.
+    let (drawing, detailed) = (drawing(1021, 797), detailed(1021, 797));
+    for (name, scale) in [("64", 64.0), ("79", 79.3), ("300", 300.0)] {
+        for degrees in [0.0, 25.0, 200.0] {
+            let to_pixels = Affine::translate((3.3, 1.6))
+                * Affine::rotate(f64::to_radians(degrees))
+                * Affine::scale(1.0 / scale);
+            for image in [&drawing, &detailed] {
+                assert!(levels::level_for(spot(to_pixels.inverse()), image) >= 2);
+                let (mean, worst) = off(image, to_pixels, false);
+                println!("{name} times down, turned by {degrees}: {mean:.3}, at worst {worst:.1}");
+                assert!(mean < 0.6 && worst < 5.0, "{name}, {degrees}: {mean}, {worst}");
+            }
+        }
+    }
+}
+
+#[test]
+fn what_was_drawn_before_changes_nothing() {
+    let (fresh, used) = (drawing(700, 530), drawing(700, 530));
+    let scales = [0.004, 0.015, 0.0071, 0.1, 0.0139];
+    for scale in scales {
+        drawn(&used, Affine::scale(scale), IntRect::new(0, 0, 20, 20), false);
+    }
+    for scale in scales {
+        let place =
+            |image: &Image| drawn(&image.clone(), Affine::scale(scale), IntRect::new(0, 0, 20, 20), false);
+        assert_eq!(place(&fresh), place(&used), "{scale}");
+    }
+}
+
+#[test]
+fn squares_made_smaller_are_their_exact_mean_also_where_they_are_enlarged_along() {
+    let image = detailed(120, 100);
+    for to_pixels in [
+        Affine::scale_non_uniform(0.01, 1.0),
+        Affine::scale_non_uniform(0.07, 3.3).then_translate((0.3, 0.6).into()),
+        Affine::scale(0.023),
+        Affine::scale_non_uniform(2.7, 0.21) * Affine::rotate(std::f64::consts::FRAC_PI_2),
+    ] {
+        let (mean, worst) = off(&image, to_pixels, true);
+        println!("{to_pixels:?}: {mean:.4}, at worst {worst:.3}");
+        assert!(worst < 0.01, "{to_pixels:?}: {mean}, {worst}");
+    }
+}
+
+#[test]
+fn images_of_one_row_or_one_pixel_are_drawn() {
+    let row = image(1000, 1, |x, _| if x < 500 { [255; 4] } else { [0, 0, 0, 255] });
+    let column = image(1, 1000, |_, y| if y < 500 { [255; 4] } else { [0, 0, 0, 255] });
+    for (image, to_pixels) in [
+        (&row, Affine::scale_non_uniform(0.01, 10.0)),
+        (&column, Affine::scale_non_uniform(10.0, 0.01)),
+        (&row, Affine::rotate(0.3) * Affine::scale_non_uniform(0.01, 10.0)),
+        (&column, Affine::rotate(0.3) * Affine::scale_non_uniform(10.0, 0.01)),
+        (&row, Affine::scale_non_uniform(0.01, 0.1)),
+        (&column, Affine::scale_non_uniform(1e-3, 1e-3)),
+    ] {
+        let (mean, worst) = off(image, to_pixels, false);
+        assert!(mean < 0.4 && worst < 9.0, "{to_pixels:?}: {mean}, {worst}");
+    }
+    let dot = image(1, 1, |_, _| [200, 100, 50, 255]);
+    for to_pixels in [Affine::scale(9.0), Affine::rotate(1.0) * Affine::scale(0.3), Affine::skew(5.0, 0.0)] {
+        let (_, worst) = off(&dot, to_pixels, false);
+        assert!(worst < 0.01, "{to_pixels:?}: {worst}");
     }
 }
 
 #[test]
 fn an_opaque_white_image_is_so_up_to_its_edges_and_a_pixel_beyond() {
     let image = image(60, 50, |_, _| [255; 4]);
-    for (name, to_pixels, _) in ways() {
+    for (name, to_pixels, ..) in ways() {
         let whole = around(&image, to_pixels).grown(1, 1);
         let part = IntRect::new(whole.x() + 3, whole.y() + 2, 7, 5);
         for rect in [whole, part] {
@@ -123,7 +272,7 @@ impl Clamped for Point {
 #[test]
 fn a_part_of_the_picture_has_the_pixels_of_the_whole() {
     let image = detailed(90, 70);
-    for (name, to_pixels, _) in ways() {
+    for (name, to_pixels, ..) in ways() {
         let rect = around(&image, to_pixels);
         let whole = drawn(&image, to_pixels, rect, false);
         let corner = (rect.x() + rect.width() as i32 / 3, rect.y() + rect.height() as i32 / 3);
