@@ -31,6 +31,9 @@ pub(crate) const MOST_PIXELS: u64 = 1 << 28;
 /// Pixels of all layers of a picture, those within layers as well, however often they are made.
 const MOST_WORK: u64 = 1 << 30;
 
+/// Layers within one another, where masks and blend modes are layers too: each holds a picture.
+const DEEPEST: usize = 32;
+
 /// Pixels of layers so far, of a picture and all that is drawn for it.
 pub(crate) type Work = Arc<AtomicU64>;
 
@@ -115,7 +118,7 @@ fn is_blend(paint: &Paint) -> bool {
 /// the last picture are not made again.
 ///
 /// # Errors
-/// [`Error::Limit`] when layers would hold too many pixels.
+/// [`Error::Limit`] when layers would hold too many pixels, or lie too deep within one another.
 pub(crate) fn shaders<'a>(
     scene: &'a Scene,
     viewport: &Viewport,
@@ -123,6 +126,13 @@ pub(crate) fn shaders<'a>(
     (log, work): (&Log, Option<&Work>),
     mut wanted: Option<Wanted>,
 ) -> Result<Vec<Option<Shader<'a>>>, Error> {
+    if !settings.method.composites_regions() && scene.raster_depth() > DEEPEST {
+        return Err(Error::Limit(format!(
+            "the method {} draws filters, masks, blended groups and patterns no more than {DEEPEST} deep within \
+             one another: use another method",
+            settings.method
+        )));
+    }
     let mut artist =
         Artist { scene, viewport, settings, pixels: 0, work: work.cloned().unwrap_or_default(), log };
     let mut shaders = Vec::with_capacity(scene.shapes.len());
