@@ -153,6 +153,27 @@ fn circles(count: usize, style: &str) -> String {
     text
 }
 
+/// Groups that blend, each of the whole page in a light colour.
+fn pages(count: usize) -> String {
+    let page = |i: usize| {
+        let color = format!("#{:02x}{:02x}{:02x}", 255 - i % 3, 255 - i % 4, 255 - i % 5);
+        format!("<g style='mix-blend-mode:multiply'><rect width='1024' height='1024' fill='{color}'/></g>")
+    };
+    (0..count).map(page).collect()
+}
+
+/// Groups that blend, each of one circle that covers much of the page.
+fn large_circles(count: usize) -> String {
+    let mut random = Random::new(11);
+    let mut circle = |i: usize| {
+        let (x, y, r) =
+            (random.within(200.0, 824.0), random.within(200.0, 824.0), random.within(200.0, 500.0));
+        let color = format!("#{:02x}{:02x}{:02x}", 255 - i % 9, 255 - i % 7, 255 - i % 8);
+        format!("<g style='mix-blend-mode:multiply'><circle cx='{x:.2}' cy='{y:.2}' r='{r:.2}' fill='{color}'/></g>")
+    };
+    (0..count).map(&mut circle).collect()
+}
+
 /// A group of circles under a filter over the whole page.
 fn filtered(primitives: &str) -> String {
     let filter = format!(
@@ -239,6 +260,8 @@ fn scenes() -> Vec<(&'static str, String)> {
         ("blend, multiply on paper", format!("{paper}{}", blended("multiply"))),
         ("blend, soft-light", blended("soft-light")),
         ("blend, luminosity", blended("luminosity")),
+        ("blend, 200 pages", format!("{paper}{}", pages(200))),
+        ("blend, 200 large circles", format!("{paper}{}", large_circles(200))),
         ("blend, 60 small", format!("{paper}{}", circles(60, "style='mix-blend-mode:multiply'"))),
         ("pattern", pattern(64, "")),
         ("pattern, turned", pattern(64, "rotate(13)")),

@@ -25,6 +25,9 @@ use kurbo::{Affine, Point, Rect, Vec2};
 use std::ops::Range;
 use std::sync::Arc;
 
+/// Layers within one another, where masks and blend modes are layers too: each holds a picture.
+const DEEPEST: usize = 32;
+
 /// Tiles of a pattern that are drawn one by one, and the shapes in all of them; beyond, tiles are copies
 /// of one tile's pixels.
 const MOST_TILES: f64 = 1024.0;
@@ -106,7 +109,7 @@ fn is_blend(paint: &Paint) -> bool {
 /// layers that were made for the last picture are not made again.
 ///
 /// # Errors
-/// [`Error::Limit`] when layers within one another, or the work on one, are beyond their bounds.
+/// [`Error::Limit`] when layers within one another lie too deep, or the work on one is beyond its bound.
 pub(crate) fn shaders<'a>(
     scene: &'a Scene,
     viewport: &Viewport,
@@ -115,6 +118,13 @@ pub(crate) fn shaders<'a>(
     log: &Log,
     mut wanted: Option<Wanted>,
 ) -> Result<Vec<Option<Shader<'a>>>, Error> {
+    if !settings.method.composites_regions() && scene.raster_depth() > DEEPEST {
+        return Err(Error::Limit(format!(
+            "the method {} draws filters, masks, blended groups and patterns no more than {DEEPEST} deep within \
+             one another: use another method",
+            settings.method
+        )));
+    }
     let artist = Artist { scene, viewport, settings, slab, budget, log };
     let mut shaders = Vec::with_capacity(scene.shapes.len());
     let shapes = wanted.as_ref().map(|wanted| wanted.shapes(scene));

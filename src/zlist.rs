@@ -11,6 +11,7 @@ use crate::pixel::paint_tree::Composite;
 use crate::pixel::resolve::{Item, Mean, Node, Resolver, Surroundings};
 use crate::scene::paint::Sheet;
 use crate::strips::{Piece, NO_PIECE};
+use usvg::BlendMode;
 
 /// The node that is the whole pixel.
 const WHOLE: u32 = u32::WHOLE;
@@ -37,6 +38,8 @@ pub(crate) enum Kind {
     Sheet(Sheet),
     /// A shape's number.
     Gradient(u32),
+    /// A blended group of one colour. Its backdrop follows.
+    Blended(BlendMode, Sheet),
     /// What follows, up to the matching end, composites as one.
     GroupStart(Composite),
     /// Between a mask and what it masks.
@@ -186,6 +189,7 @@ impl ZLists<'_> {
             match entry.kind {
                 Kind::Sheet(sheet) => resolver.push_sheet(sheet, node, self),
                 Kind::Gradient(shape) => resolver.push_gradient(shape, node, self),
+                Kind::Blended(mode, source) => resolver.push(Item::Blended(mode, source)),
                 Kind::GroupStart(composite) => resolver.push(Item::GroupStart(composite)),
                 Kind::GroupMiddle => resolver.push(Item::GroupMiddle),
                 Kind::GroupEnd => resolver.push(Item::GroupEnd),

@@ -12,6 +12,12 @@ fn render_with(width: u32, height: u32, body: &str, settings: Settings) -> Pixma
     renderer.render(&scene, &Viewport::fit(&scene, width, height)).expect("a picture")
 }
 
+fn scene_of(width: u32, height: u32, body: &str) -> Scene {
+    let svg =
+        format!("<svg xmlns='http://www.w3.org/2000/svg' width='{width}' height='{height}'>{body}</svg>");
+    Scene::from_bytes(svg.as_bytes(), &Options::default()).expect("a drawing")
+}
+
 fn render(width: u32, height: u32, body: &str) -> Pixmap {
     render_with(width, height, body, Settings::default())
 }
@@ -337,8 +343,72 @@ fn what_is_nested_too_deep_is_named_by_the_id_around_it() {
         );
         Scene::from_bytes(svg.as_bytes(), &Options::default())
     };
-    assert!(nested(20, "").is_ok());
     let deepest = "<g style='mix-blend-mode:multiply'><path d='M0 0h9v9z'/><path d='M0 0h9v4z'/></g>";
-    let error = nested(30, deepest).expect_err("the group around them counts too: 33").to_string();
-    assert!(error.contains("within element 'inner', behind 32 drawn shapes"), "{error}");
+    assert!(nested(253, deepest).is_ok());
+    let error = nested(254, deepest).expect_err("the groups around them count too: 257").to_string();
+    assert!(error.contains("256 deep at"), "{error}");
+    assert!(error.contains("within element 'inner', behind 256 drawn shapes"), "{error}");
+}
+
+#[test]
+fn blended_groups_are_drawn_as_deep_as_they_are_let_in() {
+    // All but the innermost are white in the left half, and change nothing there.
+    let nested = |depth: usize| {
+        let open = "<g style='mix-blend-mode:multiply'><path d='M0 0h8v8h-8z' fill='#fff'/>".repeat(depth);
+        format!(
+            "<path d='M0 0h16v8h-16z' fill='#fb0'/>{open}<path d='M0 0h4.5v8h-4.5z' fill='#088'/>{}",
+            "</g>".repeat(depth)
+        )
+    };
+    let (deepest, shallow) = (render(16, 8, &nested(256)), render(16, 8, &nested(1)));
+    assert_eq!(deepest, shallow);
+    assert_pixel(&deepest, (1, 1), [0, 100, 0, 255]);
+    assert_pixel(&deepest, (4, 4), [128, 143, 0, 255]);
+    assert_pixel(&deepest, (12, 4), [255, 187, 0, 255]);
+    let refused = Renderer::new(Settings { threads: 1, ..Settings::of(Method::Area) })
+        .expect("a renderer")
+        .render(&scene_of(16, 8, &nested(256)), &Viewport::fit(&scene_of(16, 8, &nested(1)), 16, 8));
+    assert!(refused.is_err_and(|e| e.to_string().contains("no more than 32 deep")));
+}
+
+#[test]
+fn masks_are_drawn_as_deep_as_they_are_let_in() {
+    let mask = "<mask id='m' maskUnits='userSpaceOnUse' width='4.5' height='8'><path d='M0 0h8v8h-8z' fill='#fff'/></mask>";
+    let nested = |depth: usize| {
+        let open = "<g mask='url(#m)'><path d='M0 0h8v8h-8z'/>".repeat(depth);
+        format!("{mask}{open}<path d='M0 0h8v8h-8z' fill='#f00'/>{}", "</g>".repeat(depth))
+    };
+    assert_eq!(render(8, 8, &nested(128)), render(8, 8, &nested(1)));
+    let too_deep =
+        format!("<svg xmlns='http://www.w3.org/2000/svg' width='8' height='8'>{}</svg>", nested(129));
+    assert!(Scene::from_bytes(too_deep.as_bytes(), &Options::default()).is_err());
+}
+
+#[test]
+fn many_large_blended_groups_are_each_region_s_own_blend() {
+    // Three edges through one pixel: each of its regions has its own colour.
+    let half = |at: f64, color: &str| {
+        format!("<path d='M0 0h{at}v8h-{at}z' fill='{color}' style='mix-blend-mode:multiply'/>")
+    };
+    let page = |color: &str| half(8.0, color);
+    for (background, paper) in [("#fff", 255.0), ("#ccc", 204.0)] {
+        let body = format!(
+            "<path d='M0 0h8v8h-8z' fill='{background}'/>{}{}{}{}{}{}",
+            half(4.25, "#f00"),
+            page("#cfc"),
+            half(4.5, "#ff0"),
+            page("#ccf"),
+            half(4.75, "#0ff"),
+            page("#fcc")
+        );
+        let picture = render(8, 8, &body);
+        let all = [204.0, 204.0, 204.0].map(|v: f64| v / 255.0 * v / 255.0 * paper);
+        let of = |shares: [f64; 3]| {
+            let [r, g, b] = std::array::from_fn(|i| (all[i] * shares[i]).round() as u8);
+            [r, g, b, 255]
+        };
+        assert_pixel(&picture, (1, 1), of([0.0, 0.0, 0.0]));
+        assert_pixel(&picture, (4, 4), of([0.25, 0.75, 0.5]));
+        assert_pixel(&picture, (6, 4), of([1.0, 1.0, 1.0]));
+    }
 }

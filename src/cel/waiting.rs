@@ -5,8 +5,12 @@
 //! A pixel on which a source waits becomes new: what is painted there next is the source's backdrop. Sources
 //! wait in runs of pixels that are the same, so that they take room, and blending takes time, by what is
 //! visible of them.
+//!
+//! Where each sheet of a z-list is all that is seen where it lies, blending makes of each another sheet, and
+//! the list stays as short as it was however many sources are blended with it. Other lists get the marks of
+//! groups ([`crate::pixel::paint_tree`]).
 
-use super::groups::{for_same, Content};
+use super::groups::{count_same, for_same, Content};
 use super::Cel;
 use crate::bitmap::{for_bits, for_runs, word_masks};
 use crate::coverage::Part;
@@ -132,13 +136,13 @@ impl Cel {
     /// behind that, if it is part of the backdrop.
     pub fn resume<P: Part>(&mut self, background: Sheet, entries: &mut Vec<Entry<P>>) {
         let mut waiting = std::mem::take(&mut self.waiting);
-        while let Some(source) = waiting.sources.pop() {
-            for run in waiting.runs.drain(source.first_run..) {
-                self.resume_run(run, source.mode, background, entries);
+        while let Some(Source { mode, opacity, first_run, first_pixel }) = waiting.sources.pop() {
+            let blending = Blending { mode, opacity, background };
+            for run in waiting.runs.drain(first_run..) {
+                self.resume_run(run, &blending, entries);
             }
-            let composite = Composite { opacity: source.opacity, effect: Effect::Blend(source.mode) };
-            for Pixel { at, before, source } in waiting.pixels.drain(source.first_pixel..) {
-                self.resume_list(at, before, (composite, source), entries);
+            for Pixel { at, before, source } in waiting.pixels.drain(first_pixel..) {
+                self.resume_list(at, before, source, &blending, entries);
             }
         }
         waiting.rows = 0;
@@ -148,11 +152,10 @@ impl Cel {
     fn resume_run<P: Part>(
         &mut self,
         Run { row, from, to, before, source }: Run,
-        mode: BlendMode,
-        background: Sheet,
+        blending: &Blending,
         entries: &mut Vec<Entry<P>>,
     ) {
-        let blend = |behind: Sheet| before.over(blended(mode, source, behind, background));
+        let blend = |behind: Sheet| before.over(blending.of(source, behind));
         // Where there is nothing behind.
         let mut alone = None;
         for (word, mask) in word_masks(from, to) {
@@ -167,17 +170,18 @@ impl Cel {
                 let sheets = &mut self.sheets[start + a..start + b];
                 let mut from = 0;
                 while let Some(&behind) = sheets.get(from) {
-                    let same = sheets[from..].iter().take_while(|other| other.is_same(behind)).count();
+                    let same = 1 + count_same(&sheets[from + 1..], behind);
                     sheets[from..from + same].fill(blend(behind));
                     from += same;
                 }
             });
             self.touched.row_mut(row)[word] |= mask;
             for_bits(listed, |x| {
-                let x = word * 64 + x;
-                let part = |sheet| Content { sheet, first: NO_ENTRY, last: NO_ENTRY };
-                let composite = Composite { opacity: 1.0, effect: Effect::Blend(mode) };
-                self.resume_list((row, x), part(before), (composite, part(source)), entries);
+                let at = (row, word * 64 + x);
+                let blended = blending.before_list(source, self.content(at.0, at.1), entries);
+                let mut content = Content::of_sheet(before);
+                content.append(blended, entries);
+                self.put(at, content);
             });
         }
     }
@@ -186,17 +190,104 @@ impl Cel {
     fn resume_list<P: Part>(
         &mut self,
         (row, x): (usize, usize),
-        before: Content,
-        (composite, source): (Composite, Content),
+        mut before: Content,
+        source: Content,
+        blending: &Blending,
         entries: &mut Vec<Entry<P>>,
     ) {
         let behind = self.content(row, x);
-        self.touched.row_mut(row)[x / 64] &= !(1 << (x % 64));
-        self.start_empty_list(row, x);
-        self.append_content((row, x), before, entries);
-        self.append_mark((row, x), Kind::GroupStart(composite), entries);
-        self.append_content((row, x), source, entries);
-        self.append_mark((row, x), Kind::GroupEnd, entries);
-        self.append_content((row, x), behind, entries);
+        let own = |sheet| Sheet::CLEAR.over(sheet).faded(blending.opacity);
+        let alone = source.is_alone(entries) && behind.sheet.is_opaque();
+        let hides = |sheet: Sheet| alone || blending.opacity >= 1.0 && sheet.is_opaque();
+        if source.is_uniform() {
+            let blended = match behind.is_uniform() {
+                true => Content::of_sheet(blending.of(own(source.sheet), behind.sheet)),
+                false => blending.before_list(own(source.sheet), behind, entries),
+            };
+            before.append(blended, entries);
+        } else if behind.is_uniform() && source.is_plain(hides, entries) {
+            let covers = source.repaint(|sheet| blending.of(own(sheet), behind.sheet), entries);
+            before.append(source, entries);
+            if !covers {
+                before.append(behind, entries);
+            }
+        } else {
+            let Blending { mode, opacity, .. } = *blending;
+            before.push(Kind::GroupStart(Composite { opacity, effect: Effect::Blend(mode) }), entries);
+            before.append(source, entries);
+            before.push(Kind::GroupEnd, entries);
+            before.append(behind, entries);
+        }
+        self.put((row, x), before);
+    }
+}
+
+/// How a source meets what lies behind it.
+struct Blending {
+    mode: BlendMode,
+    opacity: f32,
+    /// As for [`Cel::resume`].
+    background: Sheet,
+}
+
+impl Blending {
+    /// The sheet that stands for a source, with its opacity, and what lies behind it.
+    #[inline]
+    fn of(&self, source: Sheet, behind: Sheet) -> Sheet {
+        blended(self.mode, source, behind, self.background)
+    }
+
+    /// What stands for a uniform source, with its opacity, and a list behind it.
+    fn before_list<P: Part>(
+        &self,
+        source: Sheet,
+        mut behind: Content,
+        entries: &mut Vec<Entry<P>>,
+    ) -> Content {
+        if behind.is_plain(Sheet::is_opaque, entries) {
+            if !behind.repaint(|sheet| self.of(source, sheet), entries) {
+                behind.push(Kind::Sheet(self.of(source, Sheet::CLEAR)), entries);
+            }
+            return behind;
+        }
+        let mut content = Content::of_sheet(Sheet::CLEAR);
+        content.push(Kind::Blended(self.mode, source), entries);
+        content.append(behind, entries);
+        content
+    }
+}
+
+/// Plain lists: each sheet is all that is seen where it lies and none of those before it does.
+impl Content {
+    /// Is it a list of one entry?
+    fn is_alone<P>(&self, entries: &[Entry<P>]) -> bool {
+        self.first == self.last && !self.is_uniform() && entries[self.first as usize].next == NO_ENTRY
+    }
+
+    /// Is it a plain list? `hides` tells of a sheet whether nothing behind it will be seen. What covers the
+    /// whole pixel and comes last has nothing behind it.
+    fn is_plain<P: Part>(&self, hides: impl Fn(Sheet) -> bool, entries: &[Entry<P>]) -> bool {
+        let mut next = self.first;
+        while let Some(entry) = entries.get(next as usize) {
+            next = entry.next;
+            match entry.kind {
+                Kind::Sheet(sheet) if hides(sheet) || next == NO_ENTRY && entry.part == P::WHOLE => {}
+                _ => return false,
+            }
+        }
+        self.sheet == Sheet::CLEAR
+    }
+
+    /// Makes another sheet of each; tells whether the last covers the whole pixel.
+    fn repaint<P: Part>(&self, new: impl Fn(Sheet) -> Sheet, entries: &mut [Entry<P>]) -> bool {
+        let (mut next, mut covers) = (self.first, false);
+        while let Some(entry) = entries.get_mut(next as usize) {
+            if let Kind::Sheet(sheet) = &mut entry.kind {
+                *sheet = new(*sheet);
+            }
+            covers = entry.part == P::WHOLE;
+            next = entry.next;
+        }
+        covers
     }
 }

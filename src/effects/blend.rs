@@ -11,12 +11,22 @@ pub(crate) fn blend(mode: BlendMode, source: Pixel, backdrop: Pixel) -> Pixel {
     match mode {
         BlendMode::Normal => over(source, backdrop),
         BlendMode::PlusLighter => std::array::from_fn(|i| (source[i] + backdrop[i]).min(1.0)),
+        BlendMode::Multiply => separable(source, backdrop, multiply),
+        BlendMode::Screen => separable(source, backdrop, screen),
+        BlendMode::Overlay => separable(source, backdrop, |s, b| hard_light(b, s)),
+        BlendMode::Darken => separable(source, backdrop, least),
+        BlendMode::Lighten => separable(source, backdrop, most),
+        BlendMode::ColorDodge => separable(source, backdrop, color_dodge),
+        BlendMode::ColorBurn => separable(source, backdrop, color_burn),
+        BlendMode::HardLight => separable(source, backdrop, hard_light),
+        BlendMode::SoftLight => separable(source, backdrop, soft_light),
+        BlendMode::Difference => separable(source, backdrop, |s, b| (s - b).abs()),
+        BlendMode::Exclusion => separable(source, backdrop, |s, b| s + b - 2.0 * s * b),
         BlendMode::Hue | BlendMode::Saturation | BlendMode::Color | BlendMode::Luminosity => {
-            composed(source, backdrop, |s, b| non_separable(mode, s, b))
-        }
-        _ => {
-            let mixed = separable(mode);
-            composed(source, backdrop, |s, b| std::array::from_fn(|i| mixed(s[i], b[i])))
+            composed(source, backdrop, |[sr, sg, sb, _], [br, bg, bb, _]| {
+                let [r, g, b] = non_separable(mode, [sr, sg, sb], [br, bg, bb]);
+                [r, g, b, 0.0]
+            })
         }
     }
 }
@@ -27,8 +37,9 @@ pub(crate) fn blend(mode: BlendMode, source: Pixel, backdrop: Pixel) -> Pixel {
 pub(crate) fn own_color(mode: BlendMode, source: Pixel, backdrop: Pixel) -> Pixel {
     let alpha = source[3];
     let blended = blend(mode, source, backdrop);
-    let own = |i: usize| (blended[i] - (1.0 - alpha) * backdrop[i]).clamp(0.0, alpha);
-    [own(0), own(1), own(2), alpha]
+    let own = |i: usize| least(most(blended[i] - (1.0 - alpha) * backdrop[i], 0.0), alpha);
+    let [r, g, b, _] = std::array::from_fn(own);
+    [r, g, b, alpha]
 }
 
 /// Porter and Duff's `over`.
@@ -38,9 +49,16 @@ pub(crate) fn over(source: Pixel, backdrop: Pixel) -> Pixel {
     std::array::from_fn(|i| source[i] + backdrop[i] * through)
 }
 
-/// Source alone, backdrop alone, and where both are, `mixed` of their straight colours.
-#[inline]
-fn composed(source: Pixel, backdrop: Pixel, mixed: impl Fn([f32; 3], [f32; 3]) -> [f32; 3]) -> Pixel {
+/// Each component by itself.
+#[inline(always)]
+fn separable(source: Pixel, backdrop: Pixel, mixed: impl Fn(f32, f32) -> f32) -> Pixel {
+    composed(source, backdrop, |s, b| std::array::from_fn(|i| mixed(s[i], b[i])))
+}
+
+/// Source alone, backdrop alone, and where both are, `mixed` of their straight colours. The fourth component
+/// of these means nothing: with it, all are one vector.
+#[inline(always)]
+fn composed(source: Pixel, backdrop: Pixel, mixed: impl Fn(Pixel, Pixel) -> Pixel) -> Pixel {
     let (source_alpha, backdrop_alpha) = (source[3], backdrop[3]);
     if source_alpha <= 0.0 {
         return backdrop;
@@ -48,39 +66,40 @@ fn composed(source: Pixel, backdrop: Pixel, mixed: impl Fn([f32; 3], [f32; 3]) -
     if backdrop_alpha <= 0.0 {
         return source;
     }
-    let straight = |p: Pixel| [p[0], p[1], p[2]].map(|v| (v / p[3]).min(1.0));
     let both = mixed(straight(source), straight(backdrop));
     let alpha = source_alpha + backdrop_alpha * (1.0 - source_alpha);
     let color = |i: usize| {
         let alone = source[i] * (1.0 - backdrop_alpha) + backdrop[i] * (1.0 - source_alpha);
-        (alone + both[i] * source_alpha * backdrop_alpha).max(0.0).min(alpha)
+        least(most(alone + both[i] * source_alpha * backdrop_alpha, 0.0), alpha)
     };
-    [color(0), color(1), color(2), alpha]
+    let [r, g, b, _] = std::array::from_fn(color);
+    [r, g, b, alpha]
 }
 
-/// One component of the mixture: source, backdrop.
-fn separable(mode: BlendMode) -> fn(f32, f32) -> f32 {
-    match mode {
-        BlendMode::Multiply => multiply,
-        BlendMode::Screen => screen,
-        BlendMode::Overlay => |s, b| hard_light(b, s),
-        BlendMode::Darken => f32::min,
-        BlendMode::Lighten => f32::max,
-        BlendMode::ColorDodge => |s, b| match (b, s) {
-            (0.0, _) => 0.0,
-            (_, 1.0) => 1.0,
-            _ => (b / (1.0 - s)).min(1.0),
-        },
-        BlendMode::ColorBurn => |s, b| match (b, s) {
-            (1.0, _) => 1.0,
-            (_, 0.0) => 0.0,
-            _ => 1.0 - ((1.0 - b) / s).min(1.0),
-        },
-        BlendMode::HardLight => hard_light,
-        BlendMode::SoftLight => soft_light,
-        BlendMode::Difference => |s, b| (s - b).abs(),
-        BlendMode::Exclusion => |s, b| s + b - 2.0 * s * b,
-        _ => |s, _| s,
+/// A premultiplied colour, not clear, as straight red, green and blue.
+#[inline(always)]
+fn straight(pixel: Pixel) -> Pixel {
+    let alpha = pixel[3];
+    let divided = if alpha == 1.0 { pixel } else { pixel.map(|v| v / alpha) };
+    divided.map(|v| least(v, 1.0))
+}
+
+/// The lesser of two numbers. Both are numbers, so that one instruction does it, unlike [`f32::min`].
+#[inline(always)]
+fn least(a: f32, b: f32) -> f32 {
+    if a < b {
+        a
+    } else {
+        b
+    }
+}
+
+#[inline(always)]
+fn most(a: f32, b: f32) -> f32 {
+    if a > b {
+        a
+    } else {
+        b
     }
 }
 
@@ -90,6 +109,22 @@ fn multiply(s: f32, b: f32) -> f32 {
 
 fn screen(s: f32, b: f32) -> f32 {
     s + b - s * b
+}
+
+fn color_dodge(s: f32, b: f32) -> f32 {
+    match (b, s) {
+        (0.0, _) => 0.0,
+        (_, 1.0) => 1.0,
+        _ => (b / (1.0 - s)).min(1.0),
+    }
+}
+
+fn color_burn(s: f32, b: f32) -> f32 {
+    match (b, s) {
+        (1.0, _) => 1.0,
+        (_, 0.0) => 0.0,
+        _ => 1.0 - ((1.0 - b) / s).min(1.0),
+    }
 }
 
 fn hard_light(s: f32, b: f32) -> f32 {

@@ -278,6 +278,7 @@ impl<B: Bits> Composer<'_, B> {
                 Kind::GroupEnd => tree.end(),
                 _ if tree.is_done() => break,
                 _ if tree.is_hidden() => {}
+                Kind::Blended(mode, source) => tree.blend(mode, source),
                 _ if !entry.part.has(self.sample) => *region = *region & !entry.part,
                 Kind::Sheet(sheet) => {
                     *region = *region & entry.part;

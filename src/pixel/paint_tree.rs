@@ -8,6 +8,7 @@
 //! | faded | start, content, end | the content at less opacity |
 //! | masked | start, mask, middle, content, end | the content times what the mask shows |
 //! | blended | start, source, end, backdrop | the source blended with all behind it in the group around it |
+//! | blended | source, backdrop | the same for a source of one colour |
 //!
 //! A blended group's backdrop ends where the group around it does, and needs no mark.
 
@@ -137,6 +138,15 @@ impl PaintTree {
         self.push(Part::Content(composite), false);
     }
 
+    /// Goes on behind a blended source.
+    #[inline]
+    pub fn blend(&mut self, mode: BlendMode, source: Sheet) {
+        if source.through() < 1.0 {
+            self.push(Part::Backdrop(mode, source), false);
+        }
+    }
+
+    #[inline]
     fn push(&mut self, part: Part, hidden: bool) {
         let hidden = hidden || self.is_hidden();
         self.open.push(Open { before: self.front, part, hidden, vague: self.vague });
@@ -168,8 +178,9 @@ impl PaintTree {
         match self.pop() {
             Part::Content(Composite { opacity, effect: Effect::Blend(mode) }) => {
                 let source = inner.faded(opacity);
-                if source.through() < 1.0 || self.vague {
-                    self.push(Part::Backdrop(mode, source), false);
+                match self.vague {
+                    true => self.push(Part::Backdrop(mode, source), false),
+                    false => self.blend(mode, source),
                 }
             }
             Part::Content(Composite { opacity, .. }) => self.paint(inner.faded(opacity)),
@@ -182,7 +193,7 @@ impl PaintTree {
 
     /// Ends the backdrops that go as far as the group around them.
     fn end_backdrops(&mut self, background: Sheet) {
-        while let Some(Open { part: Part::Backdrop(mode, source), .. }) = self.open.last().copied() {
+        while let Some(&Open { part: Part::Backdrop(mode, source), .. }) = self.open.last() {
             let behind = self.front;
             self.pop();
             self.paint(blended(mode, source, behind, background));

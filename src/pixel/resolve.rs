@@ -18,6 +18,7 @@ use crate::zlist::groups::KnownColors;
 use crate::zlist::{Borders, ZLists};
 use kurbo::Point;
 use std::cell::RefCell;
+use usvg::BlendMode;
 
 /// Less light than this from behind cannot be seen: a thirtieth of an 8-bit level.
 pub(crate) const NEGLIGIBLE: f32 = 1.0 / 8192.0;
@@ -45,6 +46,8 @@ pub(crate) enum Item {
     Sheet(Sheet, Option<usize>),
     /// The same with a gradient, by its shape's number.
     Gradient(u32, Option<usize>),
+    /// A blended group of one colour. Its backdrop follows.
+    Blended(BlendMode, Sheet),
     /// What follows, up to the matching end, composites as one.
     GroupStart(Composite),
     GroupMiddle,
@@ -405,6 +408,7 @@ impl Resolver {
                         tree.paint(sheet);
                     }
                 }
+                Item::Blended(mode, source) => tree.blend(mode, source),
                 Item::Gradient(shape, formula) => {
                     if self.holds(formula, known)? {
                         let shader = around.shader(shape);

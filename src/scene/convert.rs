@@ -15,11 +15,12 @@ use kurbo::{Affine, Rect, Size};
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// Opacity groups nested deeper than this are refused: each open one holds a strip of the picture.
+/// Groups with opacity, masks and blend modes nested deeper than this are refused, filters and patterns
+/// counted too: each open one holds a strip of the picture, a mask a second one.
 const DEEPEST_GROUP: usize = 256;
 
-/// Filters, masks and patterns within one another beyond this are refused: each holds a picture.
-const DEEPEST_RASTER: usize = 32;
+/// Filters and patterns within one another beyond this are refused: each holds a picture.
+const DEEPEST_LAYER: usize = 32;
 
 /// Filters, masks and patterns of a drawing, counted again wherever they are drawn.
 const MOST_RASTERS: usize = 1 << 16;
@@ -71,7 +72,7 @@ struct Place {
     transform: Affine,
     clip: Option<ClipId>,
     group: GroupId,
-    /// Opacity groups around the node.
+    /// As [`DEEPEST_GROUP`] counts: groups around the node, also those around the drawing it is in.
     depth: usize,
 }
 
@@ -96,6 +97,8 @@ pub(super) struct Walk {
     filter_images: HashMap<usize, Arc<Scene>>,
     /// Rasters around the walk.
     nesting: usize,
+    /// Those of them that are filters or patterns.
+    layers: usize,
     /// Contents of rasters so far.
     contents: usize,
     /// Shapes drawn before the walk, in the drawings around it.
@@ -123,6 +126,7 @@ impl Default for Walk {
             shared: Arc::default(),
             filter_images: HashMap::new(),
             nesting: 0,
+            layers: 0,
             contents: 0,
             before: 0,
             around: String::new(),
@@ -171,15 +175,10 @@ impl Walk {
         if opacity >= 1.0 {
             return group.children().iter().try_for_each(|child| self.node(child, place));
         }
-        if place.depth == DEEPEST_GROUP {
-            return Err(Error::Limit(format!(
-                "groups with opacity are nested more than {DEEPEST_GROUP} deep at {} (flatten them)",
-                self.name(group.id())
-            )));
-        }
+        let depth = self.deeper(place.depth, 1, group.id())?;
         let (first_shape, first_group) = (self.shapes.len(), self.groups.len());
         self.groups.push(Group { parent: place.group, opacity, role: Role::Paint });
-        let inside = Place { group: first_group as GroupId, depth: place.depth + 1, ..place };
+        let inside = Place { group: first_group as GroupId, depth, ..place };
         group.children().iter().try_for_each(|child| self.node(child, inside))?;
         // A group of one shape is that shape with less opacity: nothing in it can overlap.
         if let [only] = &mut self.shapes[first_shape..] {
@@ -236,13 +235,28 @@ impl Walk {
         }
     }
 
+    /// How deep it is within some more groups, the innermost with this id.
+    fn deeper(&self, depth: usize, more: usize, id: &str) -> Result<usize, Error> {
+        match depth + more {
+            depth if depth <= DEEPEST_GROUP => Ok(depth),
+            _ => Err(Error::Limit(format!(
+                "groups with opacity, blend modes and masks, which count twice, are nested more than \
+                 {DEEPEST_GROUP} deep at {} (flatten them)",
+                self.name(id)
+            ))),
+        }
+    }
+
     /// A group that is made into pixels first.
     fn raster(&mut self, group: &usvg::Group, place: Place) -> Result<(), Error> {
-        let content = self.content(group)?;
+        let blends = usize::from(group.blend_mode() != usvg::BlendMode::Normal);
+        let own = if group.mask().is_some() { 2 + blends } else { 1 };
+        let depth = self.deeper(place.depth, own, group.id())?;
+        let content = self.content(group, depth, !group.filters().is_empty())?;
         if content.shapes.is_empty() && group.filters().is_empty() {
             return Ok(());
         }
-        let mask = group.mask().map(|mask| self.mask(mask)).transpose()?;
+        let mask = group.mask().map(|mask| self.mask(mask, depth)).transpose()?;
         let images = self.filter_images(group.filters())?;
         let bounds = rect(group.layer_bounding_box());
         let source = Source::Group(Box::new(RasterGroup {
@@ -261,9 +275,13 @@ impl Walk {
         Ok(())
     }
 
-    fn mask(&mut self, mask: &usvg::Mask) -> Result<Mask, Error> {
-        let content = self.content(mask.root())?;
-        let within = mask.mask().map(|within| self.mask(within)).transpose()?.map(Box::new);
+    fn mask(&mut self, mask: &usvg::Mask, depth: usize) -> Result<Mask, Error> {
+        let inner = match mask.mask() {
+            Some(within) => Some((within, self.deeper(depth, 2, within.id())?)),
+            None => None,
+        };
+        let content = self.content(mask.root(), inner.map_or(depth, |(_, depth)| depth), false)?;
+        let within = inner.map(|(within, depth)| self.mask(within, depth)).transpose()?.map(Box::new);
         Ok(Mask { content, rect: rect(mask.rect()), kind: mask.kind(), within })
     }
 
@@ -278,7 +296,7 @@ impl Walk {
                     continue;
                 }
                 let warnings = std::mem::take(&mut self.warnings);
-                let image = Arc::new(self.content(content)?);
+                let image = Arc::new(self.content(content, 0, true)?);
                 let unread = std::mem::replace(&mut self.warnings, warnings);
                 for Warning { kind, .. } in unread {
                     self.warn_of(kind, format!("the feImage of filter '{}'", filter.id()));
@@ -290,11 +308,11 @@ impl Walk {
         Ok(images)
     }
 
-    /// What a group holds, as a scene of its own.
-    fn content(&mut self, group: &usvg::Group) -> Result<Scene, Error> {
-        if self.nesting == DEEPEST_RASTER {
+    /// What a group holds, as a scene of its own, which may have to be a layer of pixels.
+    fn content(&mut self, group: &usvg::Group, depth: usize, is_layer: bool) -> Result<Scene, Error> {
+        if is_layer && self.layers == DEEPEST_LAYER {
             return Err(Error::Limit(format!(
-                "filters, masks, blended groups and patterns are nested more than {DEEPEST_RASTER} deep at {} (take out groups within groups that have the same effect)",
+                "filters and patterns are nested more than {DEEPEST_LAYER} deep at {} (take out groups within groups that have the same effect)",
                 self.name(group.id())
             )));
         }
@@ -305,14 +323,15 @@ impl Walk {
                 self.name(group.id())
             )));
         }
-        let mut walk = Walk { nesting: self.nesting + 1, contents: self.contents, ..Walk::default() };
+        let (nesting, layers) = (self.nesting + 1, self.layers + usize::from(is_layer));
+        let mut walk = Walk { nesting, layers, contents: self.contents, ..Walk::default() };
         walk.warnings = std::mem::take(&mut self.warnings);
         walk.images = std::mem::take(&mut self.images);
         walk.shared = self.shared.clone();
         walk.filter_images = std::mem::take(&mut self.filter_images);
         walk.before = self.before + self.shapes.len();
         walk.around = if group.id().is_empty() { self.around.clone() } else { group.id().to_string() };
-        let place = Place { transform: Affine::IDENTITY, clip: None, group: 0, depth: 0 };
+        let place = Place { transform: Affine::IDENTITY, clip: None, group: 0, depth };
         let done = group.children().iter().try_for_each(|child| walk.node(child, place));
         self.warnings = std::mem::take(&mut walk.warnings);
         self.images = std::mem::take(&mut walk.images);
@@ -340,12 +359,12 @@ impl Walk {
         };
         let mut fill = None;
         if let Some(style) = path.fill() {
-            let paint = self.paint(style.paint(), style.opacity().get(), place.transform)?;
+            let paint = self.paint(style.paint(), style.opacity().get(), place.transform, place.depth)?;
             fill = paint.map(|paint| shape(fill_outline(style), paint));
         }
         let mut stroke = None;
         if let Some(style) = path.stroke() {
-            let paint = self.paint(style.paint(), style.opacity().get(), place.transform)?;
+            let paint = self.paint(style.paint(), style.opacity().get(), place.transform, place.depth)?;
             stroke = paint.map(|paint| shape(stroke_outline(style), paint));
         }
         match path.paint_order() {
@@ -361,6 +380,7 @@ impl Walk {
         paint: &usvg::Paint,
         opacity: f32,
         transform: Affine,
+        depth: usize,
     ) -> Result<Option<Paint>, Error> {
         let paint = match paint {
             usvg::Paint::Color(color) => Some(Paint::flat(*color, opacity)),
@@ -383,7 +403,8 @@ impl Walk {
                 let tile = Rect::new(0.0, 0.0, corner.width(), corner.height());
                 let transform =
                     transform * affine(pattern.transform()) * Affine::translate(corner.origin().to_vec2());
-                let source = Source::Tiles(Box::new(self.content(pattern.root())?), tile);
+                let content = self.content(pattern.root(), depth, true)?;
+                let source = Source::Tiles(Box::new(content), tile);
                 Some(Paint::Raster(Arc::new(Raster { source, transform, bounds: tile, opacity })))
             }
         };

@@ -12,30 +12,23 @@ use crate::pixel::resolve::{Mean, Node, Resolver, Surroundings};
 use crate::scene::paint::Sheet;
 use crate::strips::Piece;
 
-/// Steps of a list that is kept.
-const MOST_STEPS: usize = 16;
+/// Entries of a list that is kept.
+const MOST_KEYS: usize = 16;
 
 /// Lists that are kept: a row of pixels crosses so many borders.
 const KEPT_BITS: u32 = 7;
 
-/// An entry of a list: what is known of it without its geometry.
-#[derive(Clone, Copy, Debug)]
-enum Step {
-    /// A sheet over the whole pixel, or where the fragment of this number lies.
-    Sheet(Sheet, Option<u8>),
-    Start(Composite),
-    Middle,
-    End,
-}
+/// Stands for the number of a fragment where the whole pixel is meant.
+const EVERYWHERE: u8 = u8::MAX;
 
-/// A step as words, which are quick to compare.
+/// An entry without its geometry as words, which are quick to compare. The last tells its kind, and the
+/// fragment.
 type Key = [u64; 3];
 
 /// A list, and the colours of its sets of fragments as far as they have been asked for.
 #[derive(Clone)]
 struct Kept {
-    keys: [Key; MOST_STEPS],
-    steps: [Step; MOST_STEPS],
+    keys: [Key; MOST_KEYS],
     count: usize,
     background: Sheet,
     /// A bit for each set whose colour is known.
@@ -53,32 +46,30 @@ pub(crate) struct KnownColors {
 }
 
 /// A list as it is read.
+#[derive(Default)]
 struct Reading {
-    keys: [Key; MOST_STEPS],
-    steps: [Step; MOST_STEPS],
-    count: usize,
+    /// Of the first entries.
+    keys: [Key; MOST_KEYS],
     hash: u64,
-    /// Their places in the list of all nodes.
+    /// For each entry the number of its fragment, or [`EVERYWHERE`].
+    numbers: Vec<u8>,
+    /// The fragments' places in the list of all nodes.
     leaves: [u32; MOST_LEAVES],
     leaf_count: usize,
 }
 
-impl Default for Reading {
-    fn default() -> Reading {
-        let (keys, steps) = ([[0; 3]; MOST_STEPS], [Step::Middle; MOST_STEPS]);
-        Reading { keys, steps, count: 0, hash: 0, leaves: [0; MOST_LEAVES], leaf_count: 0 }
-    }
-}
-
 impl Reading {
+    #[inline]
     fn clear(&mut self) {
-        (self.count, self.hash, self.leaf_count) = (0, 0, 0);
+        self.numbers.clear();
+        (self.hash, self.leaf_count) = (0, 0);
     }
 
     /// The number of the fragment that a node is, or `None` if there are too many. One with the border and
     /// the area of another is the same.
     #[inline]
-    fn leaf(&mut self, node: u32, fragment: &Fragment, lists: &ZLists) -> Option<u8> {
+    fn leaf(&mut self, node: u32, lists: &ZLists) -> Option<u8> {
+        let fragment = lists.fragment(node)?;
         for (number, &known) in self.leaves[..self.leaf_count].iter().enumerate() {
             let known = lists.fragment(known)?;
             if known.area() == fragment.area() && is_same(known, fragment, lists.pieces) {
@@ -90,38 +81,44 @@ impl Reading {
         Some(self.leaf_count as u8 - 1)
     }
 
-    /// `None` if there are too many.
     #[inline]
-    fn push(&mut self, step: Step) -> Option<()> {
-        let key = step.key();
-        *self.steps.get_mut(self.count)? = step;
-        self.keys[self.count] = key;
-        self.count += 1;
+    fn push(&mut self, key: Key, number: u8) {
+        if let Some(here) = self.keys.get_mut(self.numbers.len()) {
+            *here = key;
+        }
+        self.numbers.push(number);
         let own = key[0] ^ key[1].rotate_left(19) ^ key[2].rotate_left(41);
         self.hash = (self.hash ^ own).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(29);
-        Some(())
     }
 }
 
-impl Step {
-    #[inline]
-    fn key(self) -> Key {
-        match self {
-            Step::Sheet(sheet, leaf) => {
-                let [r, g, b, through] = sheet.channels().map(|v| u64::from(v.to_bits()));
-                [r | g << 32, b | through << 32, leaf.map_or(4, |leaf| 5 + u64::from(leaf))]
-            }
-            Step::Start(Composite { opacity, effect }) => {
-                let effect = match effect {
-                    Effect::Fade => 0,
-                    Effect::Mask(kind) => 1 | (kind as u64) << 8,
-                    Effect::Blend(mode) => 2 | (mode as u64) << 8,
-                };
-                [opacity.to_bits().into(), effect, 1]
-            }
-            Step::Middle => [0, 0, 2],
-            Step::End => [0, 0, 3],
+/// The key of an entry of a fragment with this number.
+#[inline]
+fn key_of(kind: &Kind, number: u8) -> Key {
+    let bits = |sheet: Sheet| {
+        let [r, g, b, through] = sheet.channels().map(|v| u64::from(v.to_bits()));
+        [r | g << 32, b | through << 32]
+    };
+    match *kind {
+        Kind::Sheet(sheet) => {
+            let [a, b] = bits(sheet);
+            [a, b, u64::from(number)]
         }
+        Kind::Blended(mode, sheet) => {
+            let [a, b] = bits(sheet);
+            [a, b, 1 << 8 | (mode as u64) << 16]
+        }
+        Kind::GroupStart(Composite { opacity, effect }) => {
+            let effect = match effect {
+                Effect::Fade => 0,
+                Effect::Mask(kind) => 1 | (kind as u64) << 8,
+                Effect::Blend(mode) => 2 | (mode as u64) << 8,
+            };
+            [opacity.to_bits().into(), effect, 2 << 8]
+        }
+        Kind::GroupMiddle => [0, 0, 3 << 8],
+        Kind::GroupEnd => [0, 0, 4 << 8],
+        Kind::Gradient(shape) => [shape.into(), 0, 5 << 8 | u64::from(number)],
     }
 }
 
@@ -130,9 +127,8 @@ impl ZLists<'_> {
     pub fn few_in_groups(&self, head: Head, around: &Surroundings, resolver: &mut Resolver) -> Option<Mean> {
         let colors = &mut resolver.known_colors;
         self.read_few(head, &mut colors.reading)?;
-        let slot = colors.slot(around.background);
-        let mut areas = [0; 1 << MOST_LEAVES];
         let (leaves, count) = (colors.reading.leaves, colors.reading.leaf_count);
+        let mut areas = [0; 1 << MOST_LEAVES];
         match leaves[..count] {
             [] => areas[0] = PIXEL_AREA,
             [leaf] => {
@@ -151,13 +147,24 @@ impl ZLists<'_> {
                 resolver.counts.few += 1;
             }
         }
+        let KnownColors { kept, reading, tree } = colors;
+        let mut kept = reading.find(kept, around.background);
         let mut mean = Mean::default();
         for (set, &area) in areas[..1 << count].iter().enumerate().filter(|(_, &area)| area > 0) {
-            mean.add(colors.color(slot, set), area, around.linear);
+            let color = match &mut kept {
+                Some(kept) if kept.known >> set & 1 != 0 => kept.colors[set],
+                _ => self.composed(head, &reading.numbers, set, around.background, tree),
+            };
+            if let Some(kept) = &mut kept {
+                kept.colors[set] = color;
+                kept.known |= 1 << set;
+            }
+            mean.add(color, area, around.linear);
         }
         Some(mean)
     }
 
+    #[inline]
     fn fragment(&self, node: u32) -> Option<&Fragment> {
         match self.nodes.get(node as usize)? {
             Node::Leaf(fragment) => Some(fragment),
@@ -165,29 +172,53 @@ impl ZLists<'_> {
         }
     }
 
-    /// `None` if the list is too long, or holds something else.
+    /// `None` if the list has too many fragments, or holds something else.
+    #[inline]
     fn read_few(&self, head: Head, reading: &mut Reading) -> Option<()> {
         reading.clear();
-        if head.front != Sheet::CLEAR {
-            reading.push(Step::Sheet(head.front, None))?;
-        }
+        let front = Kind::Sheet(head.front);
+        reading.push(key_of(&front, EVERYWHERE), EVERYWHERE);
         let mut next = head.first;
         while let Some(entry) = self.entries.get(next as usize) {
             next = entry.next;
-            let step = match entry.kind {
-                Kind::Sheet(sheet) if entry.part == WHOLE => Step::Sheet(sheet, None),
-                Kind::Sheet(sheet) => {
-                    let fragment = self.fragment(entry.part)?;
-                    Step::Sheet(sheet, Some(reading.leaf(entry.part, fragment, self)?))
-                }
+            let number = match entry.kind {
                 Kind::Gradient(_) => return None,
-                Kind::GroupStart(composite) => Step::Start(composite),
-                Kind::GroupMiddle => Step::Middle,
-                Kind::GroupEnd => Step::End,
+                _ if entry.part == WHOLE => EVERYWHERE,
+                _ => reading.leaf(entry.part, self)?,
             };
-            reading.push(step)?;
+            reading.push(key_of(&entry.kind, number), number);
         }
         Some(())
+    }
+
+    /// The colour of a region that lies in a set of fragments.
+    fn composed(
+        &self,
+        head: Head,
+        numbers: &[u8],
+        set: usize,
+        background: Sheet,
+        tree: &mut PaintTree,
+    ) -> Sheet {
+        tree.clear();
+        tree.paint(head.front);
+        let mut next = head.first;
+        for &number in &numbers[1..] {
+            let entry = &self.entries[next as usize];
+            next = entry.next;
+            match entry.kind {
+                Kind::GroupStart(composite) => tree.start(composite),
+                Kind::GroupMiddle => tree.middle(),
+                Kind::GroupEnd => tree.end(),
+                _ if tree.is_done() => break,
+                _ if tree.is_hidden() => {}
+                Kind::Blended(mode, source) => tree.blend(mode, source),
+                Kind::Sheet(sheet) if number == EVERYWHERE || set >> number & 1 != 0 => tree.paint(sheet),
+                Kind::Sheet(_) => {}
+                Kind::Gradient(_) => unreachable!("lists with gradients are not read"),
+            }
+        }
+        tree.over(background)
     }
 }
 
@@ -201,55 +232,24 @@ fn is_same(a: &Fragment, b: &Fragment, pieces: &[Piece]) -> bool {
     identity(a).is_some_and(|a| identity(b) == Some(a))
 }
 
-impl KnownColors {
-    /// Where the list that was read is kept from now on.
-    fn slot(&mut self, background: Sheet) -> usize {
-        let KnownColors { kept, reading, .. } = self;
+impl Reading {
+    /// Where the list that was read is kept from now on, if it is short enough.
+    #[inline]
+    fn find<'a>(&self, kept: &'a mut Vec<Kept>, background: Sheet) -> Option<&'a mut Kept> {
+        let count = self.numbers.len();
+        let keys = self.keys.get(..count)?;
         if kept.is_empty() {
-            let (keys, steps) = (reading.keys, reading.steps);
-            let colors = [Sheet::CLEAR; 1 << MOST_LEAVES];
-            *kept = vec![Kept { keys, steps, count: 0, background, known: 0, colors }; 1 << KEPT_BITS];
+            let (keys, colors) = ([[0; 3]; MOST_KEYS], [Sheet::CLEAR; 1 << MOST_LEAVES]);
+            *kept = vec![Kept { keys, count: 0, background, known: 0, colors }; 1 << KEPT_BITS];
         }
-        let slot = (reading.hash.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> (64 - KEPT_BITS)) as usize;
-        let (kept, count) = (&mut kept[slot], reading.count);
-        let is_same = kept.count == count
-            && kept.background.is_same(background)
-            && kept.keys[..count] == reading.keys[..count];
+        let slot = self.hash.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> (64 - KEPT_BITS);
+        let kept = &mut kept[slot as usize];
+        let is_same =
+            kept.count == count && kept.background.is_same(background) && kept.keys[..count] == *keys;
         if !is_same {
-            kept.keys[..count].copy_from_slice(&reading.keys[..count]);
-            kept.steps[..count].copy_from_slice(&reading.steps[..count]);
+            kept.keys[..count].copy_from_slice(keys);
             (kept.count, kept.background, kept.known) = (count, background, 0);
         }
-        slot
+        Some(kept)
     }
-
-    #[inline]
-    fn color(&mut self, slot: usize, set: usize) -> Sheet {
-        let kept = &mut self.kept[slot];
-        if kept.known >> set & 1 == 0 {
-            kept.colors[set] = composed(&mut self.tree, &kept.steps[..kept.count], set, kept.background);
-            kept.known |= 1 << set;
-        }
-        kept.colors[set]
-    }
-}
-
-/// The colour of a region that lies in a set of fragments.
-fn composed(tree: &mut PaintTree, steps: &[Step], set: usize, background: Sheet) -> Sheet {
-    tree.clear();
-    for step in steps {
-        match *step {
-            Step::Start(composite) => tree.start(composite),
-            Step::Middle => tree.middle(),
-            Step::End => tree.end(),
-            Step::Sheet(..) if tree.is_done() => break,
-            Step::Sheet(..) if tree.is_hidden() => {}
-            Step::Sheet(sheet, leaf) => {
-                if leaf.is_none_or(|leaf| set >> leaf & 1 != 0) {
-                    tree.paint(sheet);
-                }
-            }
-        }
-    }
-    tree.over(background)
 }
