@@ -62,7 +62,7 @@ impl<C: Coverage> BandRenderer<C> {
         while self.open.len() > 1 {
             self.close_last(picture, rows);
         }
-        self.cels[0].resume(picture.around.background, &mut self.entries);
+        self.cels[0].resume(picture.around.background, self.coverage.parts(), &mut self.entries);
     }
 
     /// How many groups of a path, from the picture inwards, shapes can be painted in as it is.
@@ -104,7 +104,7 @@ impl<C: Coverage> BandRenderer<C> {
         let depth = self.open.len() - 1;
         let last = self.open[depth];
         if last.is_painted() {
-            self.cels[depth].resume(Sheet::CLEAR, &mut self.entries);
+            self.cels[depth].resume(Sheet::CLEAR, self.coverage.parts(), &mut self.entries);
         }
         match (last.state, picture.scene.groups[last.group as usize].role) {
             (State::Open, Role::Mask(_)) => self.open[depth].state = State::Mask,

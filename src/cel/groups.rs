@@ -192,9 +192,22 @@ impl Content {
     /// Appends one entry for the whole pixel to the list.
     #[inline]
     pub fn push<P: Part>(&mut self, kind: Kind, entries: &mut Vec<Entry<P>>) {
+        self.push_part(P::WHOLE, kind, entries);
+    }
+
+    /// Appends one entry to the list.
+    #[inline]
+    pub fn push_part<P: Part>(&mut self, part: P, kind: Kind, entries: &mut Vec<Entry<P>>) {
         let at = entries.len() as u32;
-        entries.push(Entry { next: NO_ENTRY, part: P::WHOLE, kind });
+        entries.push(Entry { next: NO_ENTRY, part, kind });
         self.link((at, at), entries);
+    }
+
+    /// This with something else behind it.
+    #[inline]
+    pub fn before<P: Part>(mut self, behind: Content, entries: &mut Vec<Entry<P>>) -> Content {
+        self.append(behind, entries);
+        self
     }
 
     /// Appends what another pixel holds. Its entries are taken over, not copied.

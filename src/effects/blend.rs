@@ -38,8 +38,7 @@ pub(crate) fn own_color(mode: BlendMode, source: Pixel, backdrop: Pixel) -> Pixe
     let alpha = source[3];
     let blended = blend(mode, source, backdrop);
     let own = |i: usize| least(most(blended[i] - (1.0 - alpha) * backdrop[i], 0.0), alpha);
-    let [r, g, b, _] = std::array::from_fn(own);
-    [r, g, b, alpha]
+    [own(0), own(1), own(2), alpha]
 }
 
 /// Porter and Duff's `over`.
@@ -52,7 +51,9 @@ pub(crate) fn over(source: Pixel, backdrop: Pixel) -> Pixel {
 /// Each component by itself.
 #[inline(always)]
 fn separable(source: Pixel, backdrop: Pixel, mixed: impl Fn(f32, f32) -> f32) -> Pixel {
-    composed(source, backdrop, |s, b| std::array::from_fn(|i| mixed(s[i], b[i])))
+    composed(source, backdrop, |s, b| {
+        [mixed(s[0], b[0]), mixed(s[1], b[1]), mixed(s[2], b[2]), mixed(s[3], b[3])]
+    })
 }
 
 /// Source alone, backdrop alone, and where both are, `mixed` of their straight colours. The fourth component
@@ -72,8 +73,7 @@ fn composed(source: Pixel, backdrop: Pixel, mixed: impl Fn(Pixel, Pixel) -> Pixe
         let alone = source[i] * (1.0 - backdrop_alpha) + backdrop[i] * (1.0 - source_alpha);
         least(most(alone + both[i] * source_alpha * backdrop_alpha, 0.0), alpha)
     };
-    let [r, g, b, _] = std::array::from_fn(color);
-    [r, g, b, alpha]
+    [color(0), color(1), color(2), alpha]
 }
 
 /// A premultiplied colour, not clear, as straight red, green and blue.

@@ -18,11 +18,11 @@ const MOST_KEYS: usize = 16;
 /// Lists that are kept: a row of pixels crosses so many borders.
 const KEPT_BITS: u32 = 7;
 
-/// Stands for the number of a fragment where the whole pixel is meant.
-const EVERYWHERE: u8 = u8::MAX;
+/// The set of fragments in all of which what covers the whole pixel lies.
+const EVERYWHERE: u8 = 0;
 
-/// An entry without its geometry as words, which are quick to compare. The last tells its kind, and the
-/// fragment.
+/// An entry without its geometry as words, which are quick to compare. The last tells its kind, and the set of
+/// fragments.
 type Key = [u64; 3];
 
 /// A list, and the colours of its sets of fragments as far as they have been asked for.
@@ -51,8 +51,8 @@ struct Reading {
     /// Of the first entries.
     keys: [Key; MOST_KEYS],
     hash: u64,
-    /// For each entry the number of its fragment, or [`EVERYWHERE`].
-    numbers: Vec<u8>,
+    /// For each entry the set of fragments in all of which it lies, a bit for each.
+    sets: Vec<u8>,
     /// The fragments' places in the list of all nodes.
     leaves: [u32; MOST_LEAVES],
     leaf_count: usize,
@@ -61,40 +61,50 @@ struct Reading {
 impl Reading {
     #[inline]
     fn clear(&mut self) {
-        self.numbers.clear();
+        self.sets.clear();
         (self.hash, self.leaf_count) = (0, 0);
     }
 
-    /// The number of the fragment that a node is, or `None` if there are too many. One with the border and
-    /// the area of another is the same.
+    /// The set of fragments of a node, or `None` if there are too many or it is not where all of them lie.
+    fn set(&mut self, node: u32, lists: &ZLists) -> Option<u8> {
+        match lists.nodes.get(node as usize)? {
+            Node::Leaf(fragment) => self.leaf(node, fragment, lists),
+            &Node::And(a, b) => Some(self.set(a, lists)? | self.set(b, lists)?),
+            Node::Or(..) => None,
+        }
+    }
+
+    /// The bit of a fragment. One with the border and the area of another is the same.
     #[inline]
-    fn leaf(&mut self, node: u32, lists: &ZLists) -> Option<u8> {
-        let fragment = lists.fragment(node)?;
+    fn leaf(&mut self, node: u32, fragment: &Fragment, lists: &ZLists) -> Option<u8> {
         for (number, &known) in self.leaves[..self.leaf_count].iter().enumerate() {
-            let known = lists.fragment(known)?;
-            if known.area() == fragment.area() && is_same(known, fragment, lists.pieces) {
-                return Some(number as u8);
+            let same = known == node || {
+                let known = lists.fragment(known)?;
+                known.area() == fragment.area() && is_same(known, fragment, lists.pieces)
+            };
+            if same {
+                return Some(1 << number);
             }
         }
         *self.leaves.get_mut(self.leaf_count)? = node;
         self.leaf_count += 1;
-        Some(self.leaf_count as u8 - 1)
+        Some(1 << (self.leaf_count - 1))
     }
 
     #[inline]
-    fn push(&mut self, key: Key, number: u8) {
-        if let Some(here) = self.keys.get_mut(self.numbers.len()) {
+    fn push(&mut self, key: Key, set: u8) {
+        if let Some(here) = self.keys.get_mut(self.sets.len()) {
             *here = key;
         }
-        self.numbers.push(number);
+        self.sets.push(set);
         let own = key[0] ^ key[1].rotate_left(19) ^ key[2].rotate_left(41);
         self.hash = (self.hash ^ own).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(29);
     }
 }
 
-/// The key of an entry of a fragment with this number.
+/// The key of an entry that lies in this set of fragments.
 #[inline]
-fn key_of(kind: &Kind, number: u8) -> Key {
+fn key_of(kind: &Kind, set: u8) -> Key {
     let bits = |sheet: Sheet| {
         let [r, g, b, through] = sheet.channels().map(|v| u64::from(v.to_bits()));
         [r | g << 32, b | through << 32]
@@ -102,7 +112,7 @@ fn key_of(kind: &Kind, number: u8) -> Key {
     match *kind {
         Kind::Sheet(sheet) => {
             let [a, b] = bits(sheet);
-            [a, b, u64::from(number)]
+            [a, b, u64::from(set)]
         }
         Kind::Blended(mode, sheet) => {
             let [a, b] = bits(sheet);
@@ -118,7 +128,7 @@ fn key_of(kind: &Kind, number: u8) -> Key {
         }
         Kind::GroupMiddle => [0, 0, 3 << 8],
         Kind::GroupEnd => [0, 0, 4 << 8],
-        Kind::Gradient(shape) => [shape.into(), 0, 5 << 8 | u64::from(number)],
+        Kind::Gradient(shape) => [shape.into(), 0, 5 << 8 | u64::from(set)],
     }
 }
 
@@ -153,7 +163,7 @@ impl ZLists<'_> {
         for (set, &area) in areas[..1 << count].iter().enumerate().filter(|(_, &area)| area > 0) {
             let color = match &mut kept {
                 Some(kept) if kept.known >> set & 1 != 0 => kept.colors[set],
-                _ => self.composed(head, &reading.numbers, set, around.background, tree),
+                _ => self.composed(head, &reading.sets, set, around.background, tree),
             };
             if let Some(kept) = &mut kept {
                 kept.colors[set] = color;
@@ -181,12 +191,15 @@ impl ZLists<'_> {
         let mut next = head.first;
         while let Some(entry) = self.entries.get(next as usize) {
             next = entry.next;
-            let number = match entry.kind {
+            let set = match entry.kind {
                 Kind::Gradient(_) => return None,
                 _ if entry.part == WHOLE => EVERYWHERE,
-                _ => reading.leaf(entry.part, self)?,
+                _ => match self.fragment(entry.part) {
+                    Some(fragment) => reading.leaf(entry.part, fragment, self)?,
+                    None => reading.set(entry.part, self)?,
+                },
             };
-            reading.push(key_of(&entry.kind, number), number);
+            reading.push(key_of(&entry.kind, set), set);
         }
         Some(())
     }
@@ -195,7 +208,7 @@ impl ZLists<'_> {
     fn composed(
         &self,
         head: Head,
-        numbers: &[u8],
+        sets: &[u8],
         set: usize,
         background: Sheet,
         tree: &mut PaintTree,
@@ -203,7 +216,7 @@ impl ZLists<'_> {
         tree.clear();
         tree.paint(head.front);
         let mut next = head.first;
-        for &number in &numbers[1..] {
+        for &own in &sets[1..] {
             let entry = &self.entries[next as usize];
             next = entry.next;
             match entry.kind {
@@ -213,7 +226,7 @@ impl ZLists<'_> {
                 _ if tree.is_done() => break,
                 _ if tree.is_hidden() => {}
                 Kind::Blended(mode, source) => tree.blend(mode, source),
-                Kind::Sheet(sheet) if number == EVERYWHERE || set >> number & 1 != 0 => tree.paint(sheet),
+                Kind::Sheet(sheet) if set & usize::from(own) == usize::from(own) => tree.paint(sheet),
                 Kind::Sheet(_) => {}
                 Kind::Gradient(_) => unreachable!("lists with gradients are not read"),
             }
@@ -236,7 +249,7 @@ impl Reading {
     /// Where the list that was read is kept from now on, if it is short enough.
     #[inline]
     fn find<'a>(&self, kept: &'a mut Vec<Kept>, background: Sheet) -> Option<&'a mut Kept> {
-        let count = self.numbers.len();
+        let count = self.sets.len();
         let keys = self.keys.get(..count)?;
         if kept.is_empty() {
             let (keys, colors) = ([[0; 3]; MOST_KEYS], [Sheet::CLEAR; 1 << MOST_LEAVES]);
