@@ -126,9 +126,11 @@ fn tiles_by_the_million_are_their_mean() {
 fn a_tile_that_repeats_in_whole_pixels_counts_as_the_layer_it_is() {
     // As large as the picture: 1,105 million pixels, and 2^30 are the most.
     let (width, height) = (65_000, 17_000);
+    // With fewer shapes it would need no layer.
+    let shapes = "<path d='M1 1h9v9z'/>".repeat(300);
     let svg = format!(
         "<svg xmlns='http://www.w3.org/2000/svg' width='{width}' height='{height}'>
-        <pattern id='p' width='{width}' height='{height}' patternUnits='userSpaceOnUse'><path d='M1 1h9v9z'/></pattern>
+        <pattern id='p' width='{width}' height='{height}' patternUnits='userSpaceOnUse'>{shapes}</pattern>
         <rect width='{width}' height='{height}' fill='url(#p)'/></svg>"
     );
     let scene = Scene::from_bytes(svg.as_bytes(), &Options::default()).expect("a drawing");

