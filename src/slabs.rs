@@ -182,7 +182,11 @@ mod tests {
         let mut renderer = Renderer::for_layer(settings, budget).expect("good settings");
         let mut rows = Vec::new();
         let whole = renderer.render(scene, &viewport).expect("a picture");
-        renderer.render_bands(scene, &viewport, |some| Ok(rows.extend_from_slice(some))).expect("a picture");
+        let take = |some: &[u8]| {
+            rows.extend_from_slice(some);
+            Ok(())
+        };
+        renderer.render_bands(scene, &viewport, take).expect("a picture");
         assert_eq!(whole.data(), rows, "{method}");
         rows
     }

@@ -202,6 +202,10 @@ impl Explanation {
             true => "a layer of pixels, and what lies below it drawn a second time there",
             false => by_region,
         };
+        let pattern = match in_layers("pattern") {
+            true => "a layer of pixels; tiles drawn one by one, or one copied if there are many",
+            false => "the shapes of its few tiles; no layer",
+        };
         let filter = match in_layers("filter") {
             true => "a layer of pixels over the filter region, and one for each primitive in use",
             false => "shapes in other colours; no layer",
@@ -213,11 +217,7 @@ impl Explanation {
             ("masks", masks, mask),
             ("linear_gradients", linear_gradients, gradient),
             ("radial_gradients", radial_gradients, gradient),
-            (
-                "patterns",
-                patterns,
-                "a layer of pixels; tiles drawn one by one, or one copied if there are many",
-            ),
+            ("patterns", patterns, pattern),
             (
                 "images",
                 images,

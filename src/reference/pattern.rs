@@ -10,7 +10,8 @@ const MOST_SHAPES: f64 = 50_000.0;
 
 /// Whether all the tiles that `bounds` (in user units) may show have too many shapes.
 pub(super) fn is_too_much(pattern: &Pattern, bounds: usvg::Rect) -> bool {
-    !(shapes_of(pattern, bounds, MOST_SHAPES) <= MOST_SHAPES)
+    let shapes = shapes_of(pattern, bounds, MOST_SHAPES);
+    shapes.is_nan() || shapes > MOST_SHAPES
 }
 
 /// A tile with its corner in the origin, and where it is drawn so that all of `bounds` (in user units) is
@@ -69,7 +70,7 @@ fn shapes_in(group: &Group, most: f64) -> f64 {
     let mut sum = 0.0;
     for node in group.children() {
         let rest = most - sum;
-        if !(rest >= 0.0) {
+        if rest.is_nan() || rest < 0.0 {
             break;
         }
         sum += match node {

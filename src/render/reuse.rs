@@ -148,8 +148,9 @@ impl Renderer {
         let plan = self.prepare(scene, viewport, plan, |renderer, picture, bands| {
             let origins = &picture.plan.expect("it was just made").origins;
             let columns = tile_columns(width);
-            for tile in bands.start * columns..bands.end * columns {
-                if let Origin::Copied(other) = origins[tile] {
+            let tiles = bands.start * columns..bands.end * columns;
+            for (tile, origin) in tiles.clone().zip(&origins[tiles]) {
+                if let Origin::Copied(other) = *origin {
                     copy(place(tile, width, height), &others[other].picture, buffer);
                 }
             }

@@ -155,9 +155,9 @@ fn a_pixel_is_the_mean_of_the_sixty_four_within_it() {
         let (small, large) = (picture(1), picture(8));
         for (at, pixel) in small.premultiplied().iter().enumerate() {
             let within = |i: usize| large.premultiplied()[(at / 6 * 8 + i / 8) * 48 + at % 6 * 8 + i % 8];
-            for channel in 0..4 {
+            for (channel, level) in pixel.iter().enumerate() {
                 let mean = (0..64).map(|i| within(i)[channel]).sum::<f64>() / 64.0;
-                worst = worst.max((pixel[channel] - mean).abs());
+                worst = worst.max((level - mean).abs());
             }
         }
     }

@@ -126,8 +126,8 @@ fn every_mode_is_its_formula() {
             <rect width='1' height='1' fill='#993300' style='mix-blend-mode:{mode}'/>"
         );
         let t = truth(1, 1, &body);
-        for channel in 0..2 {
-            assert_near(t.straight(0, 0)[channel], 255.0 * wanted[channel], 1e-3);
+        for (level, wanted) in t.straight(0, 0).into_iter().zip(wanted) {
+            assert_near(level, 255.0 * wanted, 1e-3);
         }
     }
 }

@@ -295,7 +295,7 @@ impl Cone {
         let curve = side * side * self.scale * self.rest / 24.0;
         let root = self.scale.sqrt();
         let mut across = [0.0; AT_A_TIME];
-        for i in 0..count {
+        for (i, across) in across[..count].iter_mut().enumerate() {
             let x = first.x + f64::from(i as u32) - self.apex.x;
             let u = x + skewed;
             let square = self.scale * u * u + rest;
@@ -303,7 +303,7 @@ impl Cone {
             let lift = curve * (x * x + y_square) / (square * norm);
             aims.phases[i] = phase((start + self.linear.x * x + norm + lift) * frequency);
             aims.lifts[i] = lift as f32;
-            across[i] = (root * u) as f32;
+            *across = (root * u) as f32;
         }
         let down = (self.rest.sqrt() * y) as f32;
         let eighths = |which: usize| if which < self.eighths { (which * STEPS) as f32 } else { 0.0 };
