@@ -203,6 +203,14 @@ fn image(pixels: u32, transform: &str) -> String {
     )
 }
 
+/// One image of 2048 pixels, at 16 pixels in as many places.
+fn icons(count: usize) -> String {
+    let place = |i: usize| format!("<use href='#i' x='{}' y='{}'/>", i % 25 * 40 + 5, i / 25 * 50 + 5);
+    let picture = picture(2048);
+    let first = format!("<defs><image id='i' width='16' height='16' xlink:href='{picture}'/></defs>");
+    first + &(0..count).map(place).collect::<String>()
+}
+
 const STOPS: &str = "<stop offset='0' stop-color='#d7263d'/><stop offset='.4' stop-color='#c5d86d'/>
     <stop offset='1' stop-color='#3f88c5'/>";
 
@@ -270,6 +278,7 @@ fn scenes() -> Vec<(&'static str, String)> {
         ("image, 4 times down", image(2048, "scale(.25)")),
         ("image, half and turned", image(2048, "translate(500 0) rotate(30) scale(.4)")),
         ("image, 8 times up", image(128, "scale(8)")),
+        ("image, 500 icons", icons(500)),
         ("blur, radius 2", filtered("<feGaussianBlur stdDeviation='2'/>")),
         ("blur, radius 30", filtered("<feGaussianBlur stdDeviation='30'/>")),
         ("blur, 60 small", small("<feGaussianBlur stdDeviation='4'/>")),

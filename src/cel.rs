@@ -12,6 +12,7 @@
 //!
 //! Promises: a finished pixel is never visited again, and no entry is kept behind an opaque solid run.
 
+mod blends;
 mod groups;
 mod waiting;
 

@@ -5,104 +5,34 @@
 //! the paint of a shape like any other. A scene of flat paint makes nothing here. Methods that composite
 //! region by region are given masks and blend modes as groups ([`Scene::unfolded`]), and no layers for them.
 
+mod kept;
+mod pattern;
+
 use crate::effects::blend;
 use crate::effects::filter::region::{regions, Canvas};
 use crate::effects::filter::{self, Job};
-use crate::effects::layer::{add_rgba8, between, IntRect, Layer, Pixel, Space, CLEAR};
+use crate::effects::layer::{add_rgba8, IntRect, Layer, Space};
 use crate::effects::log::Log;
 use crate::effects::mask;
-use crate::outlines::Outlines;
 use crate::scene::gradient_shader::GradientShader;
 use crate::scene::paint::Paint;
 use crate::scene::print::{self, Print};
 use crate::scene::raster::{Mask, Raster, RasterGroup, Source};
 use crate::scene::shader::Shader;
-use crate::scene::{Clip, ClipMember, Geometry, Scene, Shape};
+use crate::scene::{Scene, Shape};
 use crate::slabs::{Budget, Slab};
-use crate::tiles::{self, TilePlan};
+use crate::tiles;
 use crate::{texture, Error, Renderer, Settings, Viewport};
-use kurbo::{Affine, Point, Rect, Vec2};
-use std::ops::Range;
+use kurbo::{Affine, Vec2};
 use std::sync::Arc;
+
+pub(crate) use kept::{KeptLayers, Wanted};
+pub(crate) use pattern::{copied_size, period, tiles_to_draw};
+
+use pattern::plane_of;
 
 /// Layers within one another, where masks and blend modes are layers too: each holds a picture.
 const DEEPEST: usize = 32;
-
-/// Tiles of a pattern that are drawn one by one, and the shapes in all of them; beyond, tiles are copies
-/// of one tile's pixels.
-const MOST_TILES: f64 = 1024.0;
-const MOST_TILED_SHAPES: f64 = 16384.0;
-
-/// A tile that is copied is made in no more pixels than this a side.
-const LARGEST_TILE: f64 = 2048.0;
-
-/// Pixels of the layers that are kept from one picture to the next: 512 MB.
-const MOST_KEPT: u64 = 1 << 25;
-
-/// Layers of the last picture, by what they were made from.
-#[derive(Default)]
-pub(crate) struct KeptLayers(Vec<KeptLayer>);
-
-struct KeptLayer {
-    print: Print,
-    layer: Arc<Layer>,
-    opaque: bool,
-}
-
-/// What is wanted of the layers where only some tiles are rendered.
-pub(crate) struct Wanted<'a> {
-    pub plan: &'a TilePlan,
-    pub outlines: &'a Outlines<'a>,
-    pub kept: &'a mut KeptLayers,
-}
-
-impl Wanted<'_> {
-    /// Whether each shape's shader will be asked for.
-    fn shapes(&self, scene: &Scene) -> Vec<bool> {
-        let bounds = self.outlines.shapes.iter().map(|outline| outline.bounds);
-        let mut wanted: Vec<bool> = bounds.map(|b| b.is_some_and(|b| self.plan.renders(b))).collect();
-        // What blends looks at all that lies below it.
-        let blends = |(shape, wanted): (&Shape, &bool)| *wanted && is_blend(&shape.paint);
-        if let Some(last) = scene.shapes.iter().zip(&wanted).rposition(blends) {
-            wanted[..last].fill(true);
-        }
-        wanted
-    }
-}
-
-impl KeptLayers {
-    fn find(&self, print: Print) -> Option<Shader<'static>> {
-        let kept = self.0.iter().find(|kept| kept.print == print)?;
-        Some(Shader::Layer { layer: kept.layer.clone(), by: (0, 0), opaque: kept.opaque })
-    }
-
-    /// Keeps a shader's layer. One tile that repeats is made again.
-    fn keep(&mut self, print: Print, shader: Shader<'static>) -> Shader<'static> {
-        if let Shader::Layer { layer, opaque, .. } = &shader {
-            self.0.push(KeptLayer { print, layer: layer.clone(), opaque: *opaque });
-        }
-        shader
-    }
-
-    /// Keeps the layers of a new picture, and as many of those before as there is room for.
-    fn take(&mut self, new: KeptLayers) {
-        let old = std::mem::replace(self, new);
-        let is_new = |print: Print| self.0.iter().any(|kept| kept.print == print);
-        let mut old: Vec<_> = old.0.into_iter().filter(|kept| !is_new(kept.print)).collect();
-        self.0.append(&mut old);
-        let mut pixels = 0;
-        self.0.retain(|kept| {
-            pixels += kept.layer.rect().area();
-            pixels <= MOST_KEPT
-        });
-    }
-}
-
-fn is_blend(paint: &Paint) -> bool {
-    let Paint::Raster(raster) = paint else { return false };
-    let Source::Group(group) = &raster.source else { return false };
-    group.blend_mode != usvg::BlendMode::Normal
-}
 
 /// The shader of every shape, for a scene that calls for any ([`Scene::calls_for_effects`]), to shade the
 /// bands of a slab; `log` is told what ran for them. Where only some are `wanted`, the others have none, and
@@ -153,11 +83,12 @@ pub(crate) fn shaders<'a>(
         };
         shaders.push(shader);
     }
-    match &mut wanted {
-        Some(wanted) if slab.is_whole => wanted.kept.take(kept),
-        // There is no room for others.
-        Some(wanted) => *wanted.kept = kept,
-        None => {}
+    if let Some(wanted) = &mut wanted {
+        match slab.is_whole {
+            true => wanted.kept.take(kept),
+            // There is no room for others.
+            false => *wanted.kept = KeptLayers::default(),
+        }
     }
     Ok(shaders)
 }
@@ -344,65 +275,12 @@ impl Artist<'_> {
         }
         Ok(())
     }
-
-    fn tiles(&self, (tile, place): (&Scene, Rect), to_pixels: Affine, rect: IntRect) -> Result<Layer, Error> {
-        if to_pixels.determinant() == 0.0 || !to_pixels.is_finite() || rect.is_empty() {
-            return Ok(Layer::clear(rect, Space::Srgb));
-        }
-        match plane_of(tile, place, to_pixels, rect) {
-            Some(plane) => self.draw(&plane, to_pixels, rect),
-            None => self.copied((tile, place), to_pixels, rect),
-        }
-    }
-
-    /// Copies of one tile's pixels, or its mean colour where it is smaller than a pixel.
-    fn copied(
-        &self,
-        (tile, place): (&Scene, Rect),
-        to_pixels: Affine,
-        rect: IntRect,
-    ) -> Result<Layer, Error> {
-        let (width, height) = copied_size(place, to_pixels);
-        let to_tile = Affine::scale_non_uniform(width / place.width(), height / place.height())
-            * Affine::translate(-place.origin().to_vec2());
-        let pixels = self.draw(tile, to_tile, IntRect::new(0, 0, width as u32, height as u32))?;
-        let back = to_tile * to_pixels.inverse();
-        let [ba, bb, bc, bd, ..] = back.as_coeffs();
-        let is_tiny = ba.hypot(bb) >= width || bc.hypot(bd) >= height;
-        let mean = mean_of(pixels.pixels());
-        let mut layer = Layer::clear(rect, Space::Srgb);
-        for (i, pixel) in layer.pixels_mut().iter_mut().enumerate() {
-            let (column, row) = (i % rect.width(), i / rect.width());
-            let at =
-                Point::new(f64::from(rect.x()) + column as f64 + 0.5, f64::from(rect.y()) + row as f64 + 0.5);
-            *pixel = if is_tiny { mean } else { wrapped(&pixels, back * at) };
-        }
-        Ok(layer)
-    }
 }
 
-/// The pixels at the corner of `rect` after which a pattern repeats in whole pixels, as far as can be seen
-/// in the rectangle; `None` where it does not, or not within it.
-pub(crate) fn period(to_pixels: Affine, place: Rect, rect: IntRect) -> Option<IntRect> {
-    /// A quarter of an 8-bit level, at an edge.
-    const MOST_DRIFT: f64 = 1.0 / 1024.0;
-    const MOST_TILES_A_SIDE: u32 = 24;
-    let [a, b, c, d, ..] = to_pixels.as_coeffs();
-    if b != 0.0 || c != 0.0 || rect.is_empty() {
-        return None;
-    }
-    let side = |tile: f64, seen: usize| {
-        let seen = seen as f64;
-        let lengths = (1..=MOST_TILES_A_SIDE).map(|count| f64::from(count) * tile);
-        let repeats = |length: &f64| {
-            let off = (length - length.round()).abs();
-            length.round() >= 1.0 && *length <= seen && off * (seen / length) < MOST_DRIFT
-        };
-        lengths.into_iter().find(repeats).map(|length| length.round() as u32)
-    };
-    let width = side(a.abs() * place.width(), rect.width())?;
-    let height = side(d.abs() * place.height(), rect.height())?;
-    Some(IntRect::new(rect.x(), rect.y(), width, height))
+fn is_blend(paint: &Paint) -> bool {
+    let Paint::Raster(raster) = paint else { return false };
+    let Source::Group(group) = &raster.source else { return false };
+    group.blend_mode != usvg::BlendMode::Normal
 }
 
 /// The viewport that shows a rectangle of pixels.
@@ -433,94 +311,4 @@ pub(crate) fn held_rect(raster: &Raster, shape: &Shape, viewport: &Viewport) -> 
     let Source::Tiles(tile, place) = &raster.source else { return rect };
     let once = period(to_pixels, *place, rect);
     once.filter(|&once| tiles_to_draw((tile, *place), to_pixels, once).is_some()).unwrap_or(rect)
-}
-
-/// Columns and rows of the tiles that are seen, if there are few enough to be drawn one by one.
-pub(crate) fn tiles_to_draw(
-    (tile, place): (&Scene, Rect),
-    to_pixels: Affine,
-    rect: IntRect,
-) -> Option<(Range<f64>, Range<f64>)> {
-    if to_pixels.determinant() == 0.0 || !to_pixels.is_finite() {
-        return None;
-    }
-    let seen = to_pixels.inverse().transform_rect_bbox(rect.to_rect());
-    let columns =
-        ((seen.x0 - place.x0) / place.width()).floor()..((seen.x1 - place.x0) / place.width()).ceil();
-    let rows =
-        ((seen.y0 - place.y0) / place.height()).floor()..((seen.y1 - place.y0) / place.height()).ceil();
-    let count = (columns.end - columns.start) * (rows.end - rows.start);
-    let shapes = (tile.shapes.len() as f64).max(1.0);
-    // What lies within a tile's layers is made once, not once for each tile. Written so that no number
-    // fails it.
-    let is_affordable =
-        count <= MOST_TILES && count * shapes <= MOST_TILED_SHAPES && tile.raster_depth() <= 1;
-    is_affordable.then_some((columns, rows))
-}
-
-/// The tiles that are seen in a rectangle, one by one; `None` where they are too many.
-fn plane_of(tile: &Scene, place: Rect, to_pixels: Affine, rect: IntRect) -> Option<Scene> {
-    let (columns, rows) = tiles_to_draw((tile, place), to_pixels, rect)?;
-    let mut plane = tile.with_shapes(Vec::new());
-    plane.clips.clear();
-    for row in rows.start as i64..rows.end as i64 {
-        for column in columns.start as i64..columns.end as i64 {
-            let by = Vec2::new(column as f64 * place.width(), row as f64 * place.height());
-            add_tile(&mut plane, tile, place, by);
-        }
-    }
-    Some(plane)
-}
-
-/// Width and height in pixels of a tile that is copied.
-pub(crate) fn copied_size(place: Rect, to_pixels: Affine) -> (f64, f64) {
-    let [a, b, c, d, ..] = to_pixels.as_coeffs();
-    let side = |scale: f64, length: f64| (scale * length).ceil().clamp(1.0, LARGEST_TILE);
-    (side(a.hypot(b), place.width()), side(c.hypot(d), place.height()))
-}
-
-/// Bilinear between the pixels of a tile that repeats.
-fn wrapped(tile: &Layer, at: Point) -> Pixel {
-    between(at.x - 0.5, at.y - 0.5, |x, y| {
-        let column = x.rem_euclid(tile.rect().width() as i64);
-        let row = y.rem_euclid(tile.rect().height() as i64);
-        tile.pixel(column as i32, row as i32)
-    })
-}
-
-fn mean_of(pixels: &[Pixel]) -> Pixel {
-    let mut sums = [0.0f64; 4];
-    for pixel in pixels {
-        sums.iter_mut().zip(pixel).for_each(|(sum, &v)| *sum += f64::from(v));
-    }
-    match pixels.len() {
-        0 => CLEAR,
-        count => sums.map(|sum| (sum / count as f64) as f32),
-    }
-}
-
-/// Adds a tile, moved, and clipped to its own place.
-fn add_tile(plane: &mut Scene, tile: &Scene, place: Rect, by: Vec2) {
-    let moved = Affine::translate(by);
-    let window = plane.clips.len() as u32;
-    let geometry = Geometry::of_rect(place, moved);
-    plane.clips.push(Clip { members: vec![ClipMember { geometry, clip: None }], within: Vec::new() });
-    let first = plane.clips.len() as u32;
-    for clip in &tile.clips {
-        let mut clip = clip.clone();
-        for member in &mut clip.members {
-            member.geometry.transform = moved * member.geometry.transform;
-            member.clip = member.clip.map(|clip| clip + first);
-        }
-        clip.within.iter_mut().for_each(|within| *within += first);
-        clip.within.push(window);
-        plane.clips.push(clip);
-    }
-    for shape in &tile.shapes {
-        let mut shape = shape.clone();
-        shape.geometry.transform = moved * shape.geometry.transform;
-        shape.clip = Some(shape.clip.map_or(window, |clip| clip + first));
-        shape.paint.transform(moved);
-        plane.shapes.push(shape);
-    }
 }

@@ -8,6 +8,7 @@
 //! | [`render`] | [`Scene`] + [`Viewport`] + [`Settings`] → pixel rows; the only file that knows the order of the stages |
 //! | [`methods`] | which way of anti-aliasing → who paints |
 //! | `layers` | filters, patterns, images, and for some methods masks and blend modes → layers of pixels that shapes are painted with; their content goes through [`render`] again |
+//! | `slabs` | scene + viewport → the rows whose layers are held at once |
 //! | [`plan`] | scene + viewport → what will run for it and what that costs, without running it |
 //! | `effects` | layers of pixels → filtered, blended, masked ones |
 //! | `texture` | an image at a scale → a layer |

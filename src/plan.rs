@@ -36,7 +36,7 @@ pub struct Plan {
     /// Bytes of the tables of colour maps, if every gradient turns within a pixel somewhere, and of those of
     /// their means over pixels, where they turn in each.
     pub color_map_bytes: u64,
-    /// The picture is made band by band and is never in memory whole; layers are.
+    /// The picture is made band by band and is never in memory whole; layers are, up to 512 MB of them.
     pub streams: bool,
     /// Rows of the picture that are in memory at once.
     pub rows_at_once: u32,

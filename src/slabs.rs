@@ -32,22 +32,23 @@ const MARGIN: i64 = 2;
 /// What the layers of a picture may cost, or those within a layer of it.
 #[derive(Clone, Debug)]
 pub(crate) struct Budget {
+    /// Pixels of layers that are held at once, and of those within one of them.
     at_once: u64,
+    at_once_within: u64,
     /// Pixels so far, of the picture and all that is drawn for it.
     work: Arc<AtomicU64>,
 }
 
 impl Default for Budget {
     fn default() -> Budget {
-        Budget { at_once: PIXELS_AT_ONCE, work: Arc::default() }
+        Budget { at_once: PIXELS_AT_ONCE, at_once_within: PIXELS_AT_ONCE / 2, work: Arc::default() }
     }
 }
 
 impl Budget {
     /// For what is drawn for a layer.
     pub fn within(&self) -> Budget {
-        let at_once = if self.at_once == PIXELS_AT_ONCE { PIXELS_AT_ONCE / 2 } else { MOST_PIXELS };
-        Budget { at_once, work: self.work.clone() }
+        Budget { at_once: self.at_once_within, at_once_within: MOST_PIXELS, work: self.work.clone() }
     }
 
     /// Counts one more layer, over these pixels.

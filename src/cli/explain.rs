@@ -386,7 +386,11 @@ impl Explanation {
         let at_once = u64::from(plan.rows_at_once) * u64::from(self.width) * 4;
         let words = match plan.streams {
             true => {
-                format!("{} rows at a time, {}; layers are held whole", plan.rows_at_once, mebibytes(at_once))
+                format!(
+                    "{} rows at a time, {}; layers are held whole up to 512 MB, by slabs of rows beyond",
+                    plan.rows_at_once,
+                    mebibytes(at_once)
+                )
             }
             false => format!("the method holds the picture whole, {}", mebibytes(at_once)),
         };

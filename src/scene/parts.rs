@@ -38,8 +38,8 @@ pub(crate) struct ScenePart {
     groups: Vec<Group>,
 }
 
-/// The parts of a drawing behind each of its cuts, which may have `images` of others; `None` if there are not `count`, or something before the
-/// first, or not all can be drawn as SVG says.
+/// The parts of a drawing behind each of its cuts, which may have `images` of others; `None` if there are not
+/// `count`, or something before the first, or not all can be drawn as SVG says.
 ///
 /// # Errors
 /// As [`Scene::from_tree`].

@@ -90,6 +90,7 @@ impl Level {
                 let count = count as u32;
                 sum.map(|sum| ((sum * factor + count / 2) / count) as u16)
             };
+            // Nearly all squares are whole: a constant is divided by in a few multiplications.
             match count == SIDE * SIDE {
                 true => texels.extend(sums.iter().map(|&sum| mean(sum, SIDE * SIDE))),
                 false => texels.extend(sums.iter().map(|&sum| mean(sum, count))),

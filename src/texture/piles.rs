@@ -2,7 +2,7 @@
 //! lie straight ([`super::averaged`]), where rows are no higher than pixels.
 
 use super::averaged::add;
-use super::scan::{fixed, to_float, whole, Scan, Span, FRACTION_BITS, GLIMPSE};
+use super::scan::{fixed, to_float, whole, Scan, Span, FRACTION_BITS, GLIMPSE, WHOLE};
 use crate::effects::layer::{Pixel, CLEAR};
 use std::ops::Range;
 
@@ -79,9 +79,6 @@ struct Target {
     /// Pixels beyond an image's edges that see it.
     margin: i64,
 }
-
-/// The weight of a whole pixel, less what rounding may take of it.
-const WHOLE: f32 = 1.0 - 1.0 / 4096.0;
 
 impl Piles {
     pub fn new(scan: &Scan) -> Piles {

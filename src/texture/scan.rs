@@ -273,9 +273,11 @@ fn parts_log2(slope: f64, across: f64) -> u32 {
 /// The weight of what is seen only because the image goes on beyond its end.
 pub(super) const GLIMPSE: f32 = 1.0 / 65536.0;
 
+/// The whole, less what rounding may take of it.
+pub(super) const WHOLE: f32 = 1.0 - 1.0 / 4096.0;
+
 /// How much of a footprint lies in the image, rounded and no less than a glimpse.
 fn glimpsed(seen: f32) -> f32 {
-    const WHOLE: f32 = 1.0 - 1.0 / 4096.0;
     if seen > WHOLE {
         1.0
     } else {

@@ -1,5 +1,7 @@
 //! Takes a seed, makes a small drawing of random shapes, paints and groups; the same on every machine.
 
+use crate::support::Rng;
+
 /// What the drawing may have besides flat shapes.
 #[derive(Clone, Copy, Default)]
 pub struct Kinds {
@@ -13,7 +15,7 @@ pub struct Kinds {
 }
 
 pub struct RandomScene {
-    state: u64,
+    rng: Rng,
     kinds: Kinds,
     size: f64,
     definitions: String,
@@ -40,8 +42,8 @@ const BLEND_MODES: [&str; 15] = [
 
 impl RandomScene {
     pub fn new(seed: u64, kinds: Kinds, size: u32) -> RandomScene {
-        let state = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15);
-        RandomScene { state, kinds, size: size.into(), definitions: String::new(), count: 0 }
+        let rng = Rng::new(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15));
+        RandomScene { rng, kinds, size: size.into(), definitions: String::new(), count: 0 }
     }
 
     pub fn svg(mut self) -> String {
@@ -59,22 +61,13 @@ impl RandomScene {
         )
     }
 
-    /// SplitMix64.
-    fn next(&mut self) -> u64 {
-        self.state = self.state.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.state;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        z ^ (z >> 31)
-    }
-
     fn below(&mut self, end: u64) -> u64 {
-        self.next() % end
+        self.rng.below(end)
     }
 
+    /// A multiple of 1/100.
     fn real(&mut self, from: f64, to: f64) -> f64 {
-        let part = (self.next() >> 11) as f64 / (1u64 << 53) as f64;
-        ((from + (to - from) * part) * 100.0).round() / 100.0
+        (self.rng.between(from, to) * 100.0).round() / 100.0
     }
 
     fn once_in(&mut self, count: u64) -> bool {
