@@ -16,7 +16,7 @@ use usvg::BlendMode;
 /// come again.
 pub(super) struct Blends {
     mode: BlendMode,
-    /// As for [`Cel::resume`].
+    /// As for [`super::Cel::resume`].
     background: Sheet,
     /// Of the group: what was known under another is forgotten.
     number: u64,
