@@ -8,8 +8,8 @@
 
 mod groups;
 
-use crate::bitmap::for_runs;
-use crate::cel::{for_same, Brush, Cel, Pixels, Rows};
+use crate::bitmap::{for_bits, for_runs};
+use crate::cel::{Brush, Cel, Pixels, Rows};
 use crate::clip::{ClipBand, Clipping, TakeClipped, Uniting};
 use crate::coverage::{BandPlace, Coverage, PartOf, Parts, Style};
 use crate::edges::{Bounds, EdgeList, BAND_ROWS};
@@ -132,14 +132,14 @@ impl<C: Coverage> BandRenderer<C> {
     }
 
     /// Gives pixels of the picture's cel that have a z-list their colours.
-    fn resolve(&mut self, Pixels { row, word, mut bits }: Pixels, around: &Surroundings, rows: &mut Rows) {
-        let (cel, y) = (&self.cels[0], rows.top + row as u32);
-        let pixels = rows.row(row, cel.width);
-        while bits != 0 {
-            let x = word * 64 + bits.trailing_zeros() as usize;
-            bits &= bits - 1;
-            pixels[x] = self.coverage.resolve(cel.list(row, x), &self.entries, (x as u32, y), around);
-        }
+    fn resolve(&mut self, pixels: Pixels, around: &Surroundings, rows: &mut Rows) {
+        let (cel, y) = (&self.cels[0], rows.top + pixels.row as u32);
+        let colours = rows.row(pixels.row, cel.width);
+        for_bits(pixels.bits, |column| {
+            let x = pixels.word * 64 + column;
+            let head = cel.list(&pixels, column);
+            colours[x] = self.coverage.resolve(head, &self.entries, (x as u32, y), around);
+        });
     }
 
     /// Are all pixels finished that a shape may touch here?
@@ -215,9 +215,8 @@ impl<C: Coverage> BandRenderer<C> {
         for row in 0..rows.count {
             for word in 0..width.div_ceil(64) {
                 let (done, uniform, listed) = self.cels[0].states(row, word);
-                let first = word * 64;
-                self.finish_uniform(picture, (row, first), [!(done | uniform | listed), uniform], &mut rows);
-                self.resolve(Pixels { row, word, bits: listed }, picture.around, &mut rows);
+                self.finish_uniform(picture, (row, word), [!(done | uniform | listed), uniform], &mut rows);
+                self.resolve(self.cels[0].pixels(row, word, listed), picture.around, &mut rows);
             }
         }
     }
@@ -226,23 +225,22 @@ impl<C: Coverage> BandRenderer<C> {
     fn finish_uniform(
         &self,
         picture: &Picture,
-        (row, first): (usize, usize),
+        (row, word): (usize, usize),
         [empty, uniform]: [u64; 2],
         rows: &mut Rows,
     ) {
         let behind = picture.around.background;
         let background = behind.to_rgba8();
-        let pixels = &mut rows.row(row, picture.width as usize)[first..];
+        let pixels = rows.row(row, picture.width as usize);
         for_runs(empty, |from, to| {
             // The picture may end within the word.
-            if let Some(run) = pixels.get_mut(from..to.min(pixels.len())) {
+            let (from, to) = (word * 64 + from, (word * 64 + to).min(pixels.len()));
+            if let Some(run) = pixels.get_mut(from..to) {
                 run.fill(background);
             }
         });
-        for_runs(uniform, |from, to| {
-            for_same(self.cels[0].sheets(row, (first + from, first + to)), |a, b, sheet| {
-                pixels[from + a..from + b].fill(sheet.over(behind).to_rgba8());
-            });
+        self.cels[0].for_uniform((row, word), uniform, |from, to, sheet| {
+            pixels[from..to].fill(sheet.over(behind).to_rgba8());
         });
     }
 }

@@ -74,8 +74,14 @@ pub(crate) fn word_masks(from: usize, to: usize) -> impl Iterator<Item = (usize,
     (from / 64..to.div_ceil(64)).map(move |word| {
         let low = from.saturating_sub(word * 64);
         let high = (to - word * 64).min(64);
-        (word, (u64::MAX << low) & (u64::MAX >> (64 - high)))
+        (word, word_mask(low, high))
     })
+}
+
+/// Pixels [a, b) of a word, of which there is one at least.
+#[inline(always)]
+pub(crate) fn word_mask(a: usize, b: usize) -> u64 {
+    (u64::MAX << a) & (u64::MAX >> (64 - b))
 }
 
 /// Calls `take` with each run [from, to) of set bits in one word; columns count from the word's first.

@@ -3,20 +3,20 @@
 //!
 //! A pixel is in one of these states, each a bit in a bitmap:
 //!
-//! | finished | touched | listed | |
+//! | finished | covered | listed | |
 //! |---|---|---|---|
 //! | 0 | 0 | 0 | nothing drawn yet |
 //! | 1 | 0 | 0 | done; its colour stands in the picture, or it is among those `to_resolve` |
 //! | 0 or 1 | 1 | 0 | uniform so far: `sheets` holds all that was drawn |
+//! | 0 or 1 | 0 | 1 | the z-list holds all that was drawn |
 //! | 0 or 1 | 1 | 1 | `sheets` holds what lies in front, the z-list goes on from there |
 //!
 //! Promises: a finished pixel is never visited again, and no entry is kept behind an opaque solid run.
 
 mod blends;
 mod groups;
+mod sheets;
 mod waiting;
-
-pub(crate) use groups::for_same;
 
 use crate::bitmap::{for_bits, for_runs, word_masks, Bitmap};
 use crate::coverage::Part;
@@ -82,9 +82,9 @@ pub(crate) struct Cel {
     pub width: usize,
     pub opacity: f32,
     pub finished: Bitmap,
-    touched: Bitmap,
+    covered: Bitmap,
     listed: Bitmap,
-    sheets: Vec<Sheet>,
+    sheets: sheets::Sheets,
     /// First and last entry of each pixel's z-list.
     lists: Vec<(u32, u32)>,
     /// Pixels whose z-list the last shape has ended with an opaque colour, which is not in it.
@@ -99,6 +99,8 @@ pub(crate) struct Pixels {
     pub row: usize,
     pub word: usize,
     pub bits: u64,
+    /// Which pixels of the word have a sheet before their z-list.
+    covered: u64,
 }
 
 impl Cel {
@@ -109,9 +111,9 @@ impl Cel {
             width,
             opacity: 1.0,
             finished: bitmap.clone(),
-            touched: bitmap.clone(),
+            covered: bitmap.clone(),
             listed: bitmap,
-            sheets: vec![Sheet::CLEAR; width * rows],
+            sheets: sheets::Sheets::new(width, rows),
             lists: vec![(NO_ENTRY, NO_ENTRY); width * rows],
             to_resolve: Vec::new(),
             waiting: waiting::Waiting::default(),
@@ -122,8 +124,9 @@ impl Cel {
     pub fn clear(&mut self) {
         self.opacity = 1.0;
         self.finished.clear();
-        self.touched.clear();
+        self.covered.clear();
         self.listed.clear();
+        self.sheets.clear();
         self.waiting.clear();
     }
 
@@ -178,7 +181,7 @@ impl Cel {
             if open == 0 {
                 continue;
             }
-            let mut touched = open & self.touched.row(row)[word];
+            let mut touched = open & self.touched(row, word);
             let fresh = open & !touched;
             let mut done = if opaque { open } else { 0 };
             if fresh != 0 {
@@ -202,9 +205,9 @@ impl Cel {
     fn end_lists(&mut self, row: usize, word: usize, touched: u64) -> u64 {
         let listed = touched & self.listed.row(row)[word];
         if listed != 0 {
-            self.to_resolve.push(Pixels { row, word, bits: listed });
+            self.to_resolve.push(self.pixels(row, word, listed));
             self.listed.row_mut(row)[word] &= !listed;
-            self.touched.row_mut(row)[word] &= !listed;
+            self.covered.row_mut(row)[word] &= !listed;
         }
         listed
     }
@@ -216,17 +219,14 @@ impl Cel {
 
     /// The first paint on some pixels of a word.
     fn start_sheets(&mut self, row: usize, top: u32, word: usize, fresh: u64, brush: &Brush) {
-        let (first, start, y) = (word * 64, row * self.width + word * 64, top + row as u32);
-        for_runs(fresh, |a, b| {
-            let sheets = &mut self.sheets[start + a..start + b];
-            match brush {
-                Brush::Flat(sheet, _) => sheets.fill(*sheet),
-                Brush::Gradient { shader, .. } => {
-                    shader.row(first + a, y, sheets.len(), |i, sheet| sheets[i] = sheet);
-                }
+        for_runs(fresh, |a, b| match brush {
+            Brush::Flat(sheet, _) => self.sheets.fill((row, word), (a, b), *sheet),
+            Brush::Gradient { shader, .. } => {
+                let sheets = self.sheets.each((row, word), (a, b));
+                shader.row(word * 64 + a, top + row as u32, sheets.len(), |i, sheet| sheets[i] = sheet);
             }
         });
-        self.touched.row_mut(row)[word] |= fresh;
+        self.covered.row_mut(row)[word] |= fresh;
     }
 
     /// More paint behind what was painted on some pixels of a word; tells which let no light through.
@@ -238,33 +238,19 @@ impl Cel {
         brush: &Brush,
         entries: &mut Vec<Entry<P>>,
     ) -> u64 {
-        let (first, start, y) = (word * 64, row * self.width + word * 64, top + row as u32);
         let listed = touched & self.listed.row(row)[word];
         let mut saturated = 0;
-        for_runs(touched & !listed, |a, b| {
-            let sheets = &mut self.sheets[start + a..start + b];
-            let mut darkest = 1.0;
-            let mut paint = |sheet: &mut Sheet, behind: Sheet| {
-                *sheet = sheet.over(behind);
-                darkest = if sheet.through() < darkest { sheet.through() } else { darkest };
-            };
-            match brush {
-                Brush::Flat(behind, _) => {
-                    // By fours: the loop itself would be a third of the work.
-                    let (fours, rest) = sheets.as_chunks_mut::<4>();
-                    fours.iter_mut().for_each(|four| four.iter_mut().for_each(|sheet| paint(sheet, *behind)));
-                    rest.iter_mut().for_each(|sheet| paint(sheet, *behind));
-                }
-                Brush::Gradient { shader, .. } => {
-                    shader.row(first + a, y, sheets.len(), |i, behind| paint(&mut sheets[i], behind));
-                }
-            }
-            if darkest < NEGLIGIBLE {
-                for (i, sheet) in sheets.iter().enumerate() {
-                    saturated |= u64::from(sheet.through() < NEGLIGIBLE) << (a + i);
-                }
+        for_runs(touched & !listed, |a, b| match brush {
+            Brush::Flat(behind, _) => saturated |= self.sheets.put_behind((row, word), (a, b), *behind),
+            Brush::Gradient { shader, .. } => {
+                let sheets = self.sheets.each((row, word), (a, b));
+                shader.row(word * 64 + a, top + row as u32, sheets.len(), |i, behind| {
+                    sheets[i] = sheets[i].over(behind);
+                    saturated |= u64::from(sheets[i].through() < NEGLIGIBLE) << (a + i);
+                });
             }
         });
+        let start = row * self.width + word * 64;
         for_bits(listed, |x| self.append_whole(start + x, brush, entries));
         saturated
     }
@@ -290,19 +276,9 @@ impl Cel {
             entries[*last as usize].next = at;
             *last = at;
         } else {
-            self.start_list(row, x);
+            self.listed.set(row, x);
             self.lists[pixel] = (at, at);
         }
-    }
-
-    #[inline(always)]
-    fn start_list(&mut self, row: usize, x: usize) {
-        let pixel = row * self.width + x;
-        if !self.touched.get(row, x) {
-            self.touched.set(row, x);
-            self.sheets[pixel] = Sheet::CLEAR;
-        }
-        self.listed.set(row, x);
     }
 
     #[inline(always)]
@@ -334,20 +310,55 @@ impl Cel {
 
     /// The state of 64 pixels of a row: finished in the picture, uniform, with a z-list.
     pub fn states(&self, row: usize, word: usize) -> (u64, u64, u64) {
-        let touched = self.touched.row(row)[word];
-        let listed = self.listed.row(row)[word];
-        (self.finished.row(row)[word] & !touched, touched & !listed, listed)
+        let (covered, listed) = (self.covered.row(row)[word], self.listed.row(row)[word]);
+        (self.finished.row(row)[word] & !(covered | listed), covered & !listed, listed)
     }
 
-    /// All that was painted on each of the uniform pixels [from, to) of a row.
-    pub fn sheets(&self, row: usize, (from, to): (usize, usize)) -> &[Sheet] {
-        &self.sheets[row * self.width + from..row * self.width + to]
+    /// Those of 64 pixels of a row of which something is kept here.
+    #[inline]
+    fn touched(&self, row: usize, word: usize) -> u64 {
+        self.covered.row(row)[word] | self.listed.row(row)[word]
     }
 
-    /// The z-list of a pixel that has one.
-    pub fn list(&self, row: usize, x: usize) -> Head {
-        let pixel = row * self.width + x;
-        Head { front: self.sheets[pixel], first: self.lists[pixel].0 }
+    /// What was painted on all of a pixel, before its z-list if it has one.
+    #[inline]
+    fn front(&self, row: usize, x: usize) -> Sheet {
+        match self.covered.get(row, x) {
+            true => self.sheets.get(row, x),
+            false => Sheet::CLEAR,
+        }
+    }
+
+    /// Calls `take` with runs of those of a word's pixels, uniform all: where they lie in the row, and all that was
+    /// painted there.
+    #[inline]
+    pub fn for_uniform(
+        &self,
+        (row, word): (usize, usize),
+        pixels: u64,
+        mut take: impl FnMut(usize, usize, Sheet),
+    ) {
+        for_runs(pixels, |a, b| {
+            self.sheets.for_runs((row, word), (a, b), |from, to, sheet| {
+                take(word * 64 + from, word * 64 + to, sheet);
+            });
+        });
+    }
+
+    /// Some of the pixels of a word, as they are.
+    pub fn pixels(&self, row: usize, word: usize, bits: u64) -> Pixels {
+        Pixels { row, word, bits, covered: self.covered.row(row)[word] }
+    }
+
+    /// The z-list of one of these pixels, which has one: the column counts from the word's first.
+    #[inline]
+    pub fn list(&self, pixels: &Pixels, column: usize) -> Head {
+        let (row, x) = (pixels.row, pixels.word * 64 + column);
+        let front = match pixels.covered >> column & 1 {
+            0 => Sheet::CLEAR,
+            _ => self.sheets.get(row, x),
+        };
+        Head { front, first: self.lists[row * self.width + x].0 }
     }
 }
 

@@ -5,8 +5,9 @@
 //! marks ([`crate::pixel::paint_tree`]).
 
 use super::{Brush, Cel};
-use crate::bitmap::for_runs;
+use crate::bitmap::{for_bits, for_runs, word_mask};
 use crate::coverage::Part;
+use crate::edges::BAND_ROWS;
 use crate::pixel::paint_tree::{shown, Composite, Effect};
 use crate::scene::paint::Sheet;
 use crate::zlist::{Entry, Kind, NO_ENTRY};
@@ -21,21 +22,16 @@ impl Cel {
             self.finished.bits_mut().fill(u64::MAX);
             return;
         };
-        for (finished, shows) in self.finished.bits_mut().iter_mut().zip(mask.touched.bits()) {
-            *finished |= !shows;
-        }
-        for row in 0..mask.sheets.len() / mask.width {
-            for word in 0..mask.touched.words() {
-                let uniform = mask.touched.row(row)[word] & !mask.listed.row(row)[word];
-                let mut hidden = 0;
-                for_runs(uniform, |a, b| {
-                    let sheets = &mask.sheets[row * mask.width + word * 64..];
-                    for (i, &sheet) in sheets[a..b].iter().enumerate() {
-                        hidden |= u64::from(shown(kind, sheet) <= 0.0) << (a + i);
+        for (row, word) in mask.words(BAND_ROWS as usize) {
+            self.finished.row_mut(row)[word] |= !mask.touched(row, word);
+            let (_, uniform, _) = mask.states(row, word);
+            for_runs(uniform, |a, b| {
+                mask.sheets.for_runs((row, word), (a, b), |from, to, sheet| {
+                    if shown(kind, sheet) <= 0.0 {
+                        self.finished.row_mut(row)[word] |= word_mask(from, to);
                     }
                 });
-                self.finished.row_mut(row)[word] |= hidden;
-            }
+            });
         }
     }
 
@@ -43,14 +39,13 @@ impl Cel {
     pub fn take_group<P: Part>(&mut self, group: &Cel, rows: usize, entries: &mut Vec<Entry<P>>) {
         let opacity = group.opacity;
         for (row, word) in self.words(rows) {
-            let (touched, listed) = (group.touched.row(row)[word], group.listed.row(row)[word]);
-            for_runs(touched & !listed & !self.finished.row(row)[word], |a, b| {
-                let start = row * self.width + word * 64;
-                for_same(&group.sheets[start + a..start + b], |from, to, sheet| {
-                    self.take_sheet((row, word), (a + from, a + to), sheet.faded(opacity), entries);
+            let (_, uniform, listed) = group.states(row, word);
+            for_runs(uniform & !self.finished.row(row)[word], |a, b| {
+                group.sheets.for_runs((row, word), (a, b), |from, to, sheet| {
+                    self.take_sheet((row, word), (from, to), sheet.faded(opacity), entries);
                 });
             });
-            self.for_open((row, word), touched & listed, |cel, x| {
+            self.for_open((row, word), listed, |cel, x| {
                 cel.append_group(x, Composite::faded(opacity), group, None, entries);
             });
         }
@@ -67,15 +62,13 @@ impl Cel {
         let opacity = content.opacity;
         let composite = Composite { opacity, effect: Effect::Mask(kind) };
         for (row, word) in self.words(rows) {
-            let touched = mask.touched.row(row)[word] & content.touched.row(row)[word];
+            let touched = mask.touched(row, word) & content.touched(row, word);
             let listed = touched & (mask.listed.row(row)[word] | content.listed.row(row)[word]);
             for_runs(touched & !listed & !self.finished.row(row)[word], |a, b| {
-                let start = row * self.width + word * 64;
-                for_same(&mask.sheets[start + a..start + b], |from, to, mask| {
+                mask.sheets.for_runs((row, word), (a, b), |a, b, mask| {
                     let opacity = opacity * shown(kind, mask);
-                    let (a, b) = (a + from, a + to);
-                    for_same(&content.sheets[start + a..start + b], |from, to, sheet| {
-                        self.take_sheet((row, word), (a + from, a + to), sheet.faded(opacity), entries);
+                    content.sheets.for_runs((row, word), (a, b), |from, to, sheet| {
+                        self.take_sheet((row, word), (from, to), sheet.faded(opacity), entries);
                     });
                 });
             });
@@ -111,21 +104,18 @@ impl Cel {
         sheet: Sheet,
         entries: &mut Vec<Entry<P>>,
     ) {
-        let mask = (u64::MAX << a) & (u64::MAX >> (64 - b));
-        let (touched, listed) = (self.touched.row(row)[word], self.listed.row(row)[word]);
+        let mask = word_mask(a, b);
+        let (_, uniform, listed) = self.states(row, word);
         let start = row * self.width + word * 64;
         let mut done = if sheet.is_opaque() { mask } else { 0 };
-        for_runs(mask & !touched, |a, b| self.sheets[start + a..start + b].fill(sheet));
-        for_runs(mask & touched & !listed, |a, b| {
-            for (i, front) in self.sheets[start + a..start + b].iter_mut().enumerate() {
-                *front = front.over(sheet);
-                done |= u64::from(front.through() < super::NEGLIGIBLE) << (a + i);
-            }
+        for_runs(mask & !(uniform | listed), |a, b| self.sheets.fill((row, word), (a, b), sheet));
+        for_runs(mask & uniform, |a, b| {
+            done |= self.sheets.put_behind((row, word), (a, b), sheet);
         });
-        for_runs(mask & touched & listed, |a, b| {
-            (a..b).for_each(|i| self.append_whole(start + i, &Brush::flat(sheet), entries));
+        for_bits(mask & listed, |x| {
+            self.append_whole(start + x, &Brush::flat(sheet), entries);
         });
-        self.touched.row_mut(row)[word] |= mask;
+        self.covered.row_mut(row)[word] |= mask & !listed;
         self.finished.row_mut(row)[word] |= done;
     }
 
@@ -152,22 +142,20 @@ impl Cel {
     /// What a pixel holds.
     #[inline]
     pub(super) fn content(&self, row: usize, x: usize) -> Content {
-        let pixel = row * self.width + x;
-        if !self.touched.get(row, x) {
-            return Content::of_sheet(Sheet::CLEAR);
-        }
-        let (first, last) = if self.listed.get(row, x) { self.lists[pixel] } else { (NO_ENTRY, NO_ENTRY) };
-        Content { sheet: self.sheets[pixel], first, last }
+        let (first, last) = match self.listed.get(row, x) {
+            true => self.lists[row * self.width + x],
+            false => (NO_ENTRY, NO_ENTRY),
+        };
+        Content { sheet: self.front(row, x), first, last }
     }
 
     /// Makes this what a pixel holds.
     #[inline]
     pub(super) fn put(&mut self, (row, x): (usize, usize), content: Content) {
-        let pixel = row * self.width + x;
-        self.touched.set(row, x);
         self.listed.set(row, x);
-        self.sheets[pixel] = content.sheet;
-        self.lists[pixel] = (content.first, content.last);
+        self.covered.set(row, x);
+        self.sheets.set(row, x, content.sheet);
+        self.lists[row * self.width + x] = (content.first, content.last);
     }
 }
 
@@ -230,24 +218,4 @@ impl Content {
         }
         self.last = last;
     }
-}
-
-/// Calls `take` with each run [from, to) of neighbours that are the same, and what they are.
-#[inline(always)]
-pub(crate) fn for_same(sheets: &[Sheet], mut take: impl FnMut(usize, usize, Sheet)) {
-    let mut from = 0;
-    while let Some(&sheet) = sheets.get(from) {
-        let same = 1 + count_same(&sheets[from + 1..], sheet);
-        take(from, from + same, sheet);
-        from += same;
-    }
-}
-
-/// How many sheets, from the first on, are the same as one.
-#[inline(always)]
-pub(super) fn count_same(sheets: &[Sheet], sheet: Sheet) -> usize {
-    // By fours, which takes half as long.
-    let is_same = |four: &&[Sheet; 4]| four.iter().fold(true, |same, other| same & other.is_same(sheet));
-    let whole = 4 * sheets.as_chunks().0.iter().take_while(is_same).count();
-    whole + sheets[whole..].iter().take_while(|other| other.is_same(sheet)).count()
 }

@@ -7,7 +7,7 @@
 //! visible of them.
 
 use super::blends::Blends;
-use super::groups::{count_same, for_same, Content};
+use super::groups::Content;
 use super::Cel;
 use crate::bitmap::{for_bits, for_runs, word_masks};
 use crate::coverage::{Part, Parts};
@@ -87,19 +87,18 @@ impl Cel {
         let (opacity, first_run, first_pixel) = (group.opacity, runs.len(), pixels.len());
         self.waiting.sources.push(Source { mode, opacity, first_run, first_pixel });
         for (row, word) in self.words(rows) {
-            let open = group.touched.row(row)[word] & !self.finished.row(row)[word];
+            let open = group.touched(row, word) & !self.finished.row(row)[word];
             if open == 0 {
                 continue;
             }
-            let (touched, listed) = (self.touched.row(row)[word], self.listed.row(row)[word]);
-            let with_lists = open & (group.listed.row(row)[word] | touched & listed);
+            let with_lists = open & (group.listed.row(row)[word] | self.listed.row(row)[word]);
             self.suspend_runs(group, (row, word), open & !with_lists);
             for_bits(with_lists, |x| {
                 let x = word * 64 + x;
                 let (before, source) = (self.content(row, x), group.content(row, x));
                 self.waiting.pixels.push(Pixel { at: (row, x), before, source });
             });
-            self.touched.row_mut(row)[word] &= !open;
+            self.covered.row_mut(row)[word] &= !open;
             self.listed.row_mut(row)[word] &= !open;
             self.waiting.rows |= 1 << row;
         }
@@ -107,24 +106,20 @@ impl Cel {
 
     /// The same for pixels of a word that are uniform in both cels.
     fn suspend_runs(&mut self, group: &Cel, (row, word): (usize, usize), pixels: u64) {
-        let touched = self.touched.row(row)[word];
-        let start = row * self.width + word * 64;
+        let covered = self.covered.row(row)[word];
         let Cel { waiting, sheets, .. } = self;
         let mut push = |from: usize, to: usize, before: Sheet, source: Sheet| {
             let source = source.faded(group.opacity);
             waiting.push_run(Run { row, from: word * 64 + from, to: word * 64 + to, before, source });
         };
-        for_runs(pixels & !touched, |a, b| {
-            for_same(&group.sheets[start + a..start + b], |from, to, source| {
-                push(a + from, a + to, Sheet::CLEAR, source);
+        for_runs(pixels & !covered, |a, b| {
+            group.sheets.for_runs((row, word), (a, b), |from, to, source| {
+                push(from, to, Sheet::CLEAR, source);
             });
         });
-        for_runs(pixels & touched, |a, b| {
-            for_same(&group.sheets[start + a..start + b], |from, to, source| {
-                let (a, b) = (a + from, a + to);
-                for_same(&sheets[start + a..start + b], |from, to, before| {
-                    push(a + from, a + to, before, source);
-                });
+        for_runs(pixels & covered, |a, b| {
+            group.sheets.for_runs((row, word), (a, b), |a, b, source| {
+                sheets.for_runs((row, word), (a, b), |from, to, before| push(from, to, before, source));
             });
         });
     }
@@ -156,24 +151,17 @@ impl Cel {
         entries: &mut Vec<Entry<P>>,
     ) {
         for (word, mask) in word_masks(from, to) {
-            let touched = mask & self.touched.row(row)[word];
-            let listed = touched & self.listed.row(row)[word];
-            let start = row * self.width + word * 64;
-            for_runs(mask & !touched, |a, b| {
+            let (_, uniform, listed) = self.states(row, word);
+            for_runs(mask & !(uniform | listed), |a, b| {
                 let sheet = before.over(blends.of(source, Sheet::CLEAR));
-                self.sheets[start + a..start + b].fill(sheet);
+                self.sheets.fill((row, word), (a, b), sheet);
             });
-            for_runs(touched & !listed, |a, b| {
-                let sheets = &mut self.sheets[start + a..start + b];
-                let mut from = 0;
-                while let Some(&behind) = sheets.get(from) {
-                    let same = 1 + count_same(&sheets[from + 1..], behind);
-                    sheets[from..from + same].fill(before.over(blends.of(source, behind)));
-                    from += same;
-                }
+            for_runs(mask & uniform, |a, b| {
+                self.sheets
+                    .change((row, word), (a, b), |_, _, behind| before.over(blends.of(source, behind)));
             });
-            self.touched.row_mut(row)[word] |= mask;
-            for_bits(listed, |x| {
+            self.covered.row_mut(row)[word] |= mask & !listed;
+            for_bits(mask & listed, |x| {
                 let at = (row, word * 64 + x);
                 let blended = blends.before_list(source, self.content(at.0, at.1), entries);
                 self.put(at, Content::of_sheet(before).before(blended, entries));
