@@ -61,6 +61,11 @@ impl Bitmap {
         self.bits[row * self.words + column / 64] |= 1 << (column % 64);
     }
 
+    #[inline]
+    pub fn unset(&mut self, row: usize, column: usize) {
+        self.bits[row * self.words + column / 64] &= !(1 << (column % 64));
+    }
+
     /// Are all bits of columns [from, to) 1?
     pub fn all_set(&self, row: usize, from: usize, to: usize) -> bool {
         let words = self.row(row);

@@ -146,6 +146,34 @@ impl Blends {
         }
     }
 
+    /// Blends a uniform source, with its opacity, with a list behind it by giving its entries other colours;
+    /// `false`, and nothing is done, unless the list is short, plain, and covers the pixel.
+    pub fn repaint<P: Part>(&mut self, source: Sheet, behind: Content, entries: &mut [Entry<P>]) -> bool {
+        let mut places = [0; MOST_IN_BOTH];
+        let (mut next, mut count) = (behind.first, 0);
+        while let Some(entry) = entries.get(next as usize) {
+            let covers = entry.next == NO_ENTRY && entry.part == P::WHOLE;
+            match (entry.kind, places.get_mut(count)) {
+                (Kind::Sheet(sheet), Some(place)) if covers || sheet.is_opaque() => *place = next as usize,
+                _ => return false,
+            }
+            count += 1;
+            if covers {
+                break;
+            }
+            next = entry.next;
+        }
+        if next == NO_ENTRY || !behind.sheet.is_same(Sheet::CLEAR) {
+            return false;
+        }
+        for &place in &places[..count] {
+            if let Kind::Sheet(sheet) = &mut entries[place].kind {
+                *sheet = self.of(source, *sheet);
+            }
+        }
+        true
+    }
+
     /// What stands for a uniform source, with its opacity, and a list behind it.
     pub fn before_list<P: Part>(
         &mut self,

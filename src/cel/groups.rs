@@ -153,8 +153,13 @@ impl Cel {
     #[inline]
     pub(super) fn put(&mut self, (row, x): (usize, usize), content: Content) {
         self.listed.set(row, x);
-        self.covered.set(row, x);
-        self.sheets.set(row, x, content.sheet);
+        match content.sheet.is_same(Sheet::CLEAR) {
+            true => self.covered.unset(row, x),
+            false => {
+                self.covered.set(row, x);
+                self.sheets.set(row, x, content.sheet);
+            }
+        }
         self.lists[row * self.width + x] = (content.first, content.last);
     }
 }

@@ -150,6 +150,7 @@ impl Cel {
         blends: &mut Blends,
         entries: &mut Vec<Entry<P>>,
     ) {
+        let nothing_before = before.is_same(Sheet::CLEAR);
         for (word, mask) in word_masks(from, to) {
             let (_, uniform, listed) = self.states(row, word);
             for_runs(mask & !(uniform | listed), |a, b| {
@@ -163,7 +164,12 @@ impl Cel {
             self.covered.row_mut(row)[word] |= mask & !listed;
             for_bits(mask & listed, |x| {
                 let at = (row, word * 64 + x);
-                let blended = blends.before_list(source, self.content(at.0, at.1), entries);
+                let behind = self.content(at.0, at.1);
+                // So it is with most pixels where many groups are blended.
+                if nothing_before && blends.repaint(source, behind, entries) {
+                    return;
+                }
+                let blended = blends.before_list(source, behind, entries);
                 self.put(at, Content::of_sheet(before).before(blended, entries));
             });
         }
