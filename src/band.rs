@@ -138,7 +138,7 @@ impl<C: Coverage> BandRenderer<C> {
         for_bits(pixels.bits, |column| {
             let x = pixels.word * 64 + column;
             let head = cel.list(&pixels, column);
-            colours[x] = self.coverage.resolve(head, &self.entries, (x as u32, y), around);
+            colours[x] = self.coverage.resolve(head, &mut self.entries, (x as u32, y), around);
         });
     }
 

@@ -97,11 +97,12 @@ pub(crate) trait Coverage: Send {
         take: &mut impl TakeSpans<Self::Parts>,
     );
 
-    /// The colour of the pixel at column `x` and row `y` of the picture: straight, 8-bit.
+    /// The colour of the pixel at column `x` and row `y` of the picture: straight, 8-bit. Its entries are of no
+    /// use then.
     fn resolve(
         &mut self,
         head: Head,
-        entries: &[Entry<PartOf<Self>>],
+        entries: &mut [Entry<PartOf<Self>>],
         at: (u32, u32),
         around: &Surroundings,
     ) -> [u8; 4];

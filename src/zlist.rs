@@ -54,6 +54,25 @@ pub(crate) struct Head {
     pub first: u32,
 }
 
+/// Makes sheets of those gradients in a list that have one colour all over the pixel at column `x` and row `y`.
+pub(crate) fn settle_gradients<P>(
+    head: Head,
+    entries: &mut [Entry<P>],
+    (x, y): (u32, u32),
+    around: &Surroundings,
+) {
+    let middle = (f64::from(x) + 0.5, f64::from(y) + 0.5);
+    let mut next = head.first;
+    while let Some(entry) = entries.get_mut(next as usize) {
+        next = entry.next;
+        if let Kind::Gradient(shape) = entry.kind {
+            if let Some(sheet) = around.shader(shape).even_at(middle.0, middle.1) {
+                entry.kind = Kind::Sheet(sheet);
+            }
+        }
+    }
+}
+
 /// The z-lists of one band, with fragments kept as geometry: a part is the number of a node.
 pub(crate) struct ZLists<'a> {
     pub entries: &'a [Entry<u32>],

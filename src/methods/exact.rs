@@ -9,7 +9,7 @@ use crate::pixel::fragment::{Coverer, Fragment};
 use crate::pixel::resolve::{Node, Resolver, Surroundings};
 use crate::strips::{Buckets, Piece};
 use crate::sweep;
-use crate::zlist::{Entry, Head, ZLists};
+use crate::zlist::{settle_gradients, Entry, Head, ZLists};
 
 /// Fragments as geometry.
 pub(crate) struct Exact {
@@ -46,6 +46,10 @@ impl Nodes {
     }
 }
 
+fn lists<'a>(entries: &'a [Entry<u32>], nodes: &'a Nodes, pieces: &'a [Piece]) -> ZLists<'a> {
+    ZLists { entries, nodes: &nodes.0, pieces }
+}
+
 impl Parts for Nodes {
     type Fragment = Fragment;
     type Part = u32;
@@ -72,6 +76,7 @@ impl Coverage for Exact {
         self.nodes.0.clear();
         self.resolver.has_clips = !picture.scene.clips.is_empty();
         self.resolver.has_groups = picture.scene.groups.len() > 1;
+        self.resolver.has_shaders = !picture.around.shaders.is_empty();
     }
 
     fn parts(&mut self) -> &mut Nodes {
@@ -100,19 +105,23 @@ impl Coverage for Exact {
     fn resolve(
         &mut self,
         head: Head,
-        entries: &[Entry<u32>],
+        entries: &mut [Entry<u32>],
         (x, y): (u32, u32),
         around: &Surroundings,
     ) -> [u8; 4] {
-        let lists = ZLists { entries, nodes: &self.nodes.0, pieces: &self.pieces };
-        let mean = lists.resolve_simply(head, around, &mut self.resolver);
-        let in_groups = || match self.resolver.has_groups {
-            true => lists.few_in_groups(head, around, &mut self.resolver),
-            false => None,
-        };
-        let mean = mean.or_else(in_groups).unwrap_or_else(|| {
-            lists.read(head, &mut self.resolver);
-            self.resolver.resolve(x, y, &self.pieces, around)
+        let Exact { nodes, pieces, resolver, .. } = self;
+        let mut mean = lists(entries, nodes, pieces).resolve_simply(head, around, resolver);
+        if mean.is_none() && resolver.has_shaders {
+            settle_gradients(head, entries, (x, y), around);
+            mean = lists(entries, nodes, pieces).resolve_simply(head, around, resolver);
+        }
+        let lists = lists(entries, nodes, pieces);
+        if mean.is_none() && resolver.has_groups {
+            mean = lists.few_in_groups(head, around, resolver);
+        }
+        let mean = mean.unwrap_or_else(|| {
+            lists.read(head, resolver);
+            resolver.resolve(x, y, pieces, around)
         });
         mean.to_rgba8(around.linear)
     }

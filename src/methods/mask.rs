@@ -124,7 +124,7 @@ impl<B: Lattice> Coverage for Masks<B> {
     fn resolve(
         &mut self,
         head: Head,
-        entries: &[Entry<B>],
+        entries: &mut [Entry<B>],
         at: (u32, u32),
         around: &Surroundings,
     ) -> [u8; 4] {

@@ -75,7 +75,7 @@ impl<B: Bits> Coverage for Sampled<B> {
     fn resolve(
         &mut self,
         head: Head,
-        entries: &[Entry<B>],
+        entries: &mut [Entry<B>],
         at: (u32, u32),
         around: &Surroundings,
     ) -> [u8; 4] {

@@ -81,6 +81,8 @@ pub(crate) struct Resolver {
     pub has_clips: bool,
     /// Does it have groups?
     pub has_groups: bool,
+    /// Is any shape of the picture not of one colour?
+    pub has_shaders: bool,
     pub known_colors: KnownColors,
     set: PieceSet,
     pub few: Few,
@@ -104,7 +106,7 @@ pub(crate) struct Surroundings<'a> {
 impl<'a> Surroundings<'a> {
     /// The shader of a shape that is not of one colour.
     #[inline]
-    fn shader(&self, shape: u32) -> &Shader<'a> {
+    pub fn shader(&self, shape: u32) -> &Shader<'a> {
         self.shaders[shape as usize].as_ref().expect("gradients have shaders")
     }
 }
@@ -195,9 +197,6 @@ impl Resolver {
         let place = Place { x: f64::from(x), y: f64::from(y), around };
         let mut mean = Mean::default();
         if self.has_gradient {
-            self.settle_gradients(place);
-        }
-        if self.has_gradient {
             self.split(place, pieces, &mut mean);
         } else if let [only] = self.leaves[..] {
             self.counts.one_fragment += 1;
@@ -214,21 +213,6 @@ impl Resolver {
             self.split(place, pieces, &mut mean);
         }
         mean
-    }
-
-    /// Makes sheets of the gradients of which every part of the pixel has the same colour.
-    fn settle_gradients(&mut self, place: Place) {
-        let (x, y) = place.middle();
-        self.has_gradient = false;
-        for item in &mut self.items {
-            if let Item::Gradient(shape, formula) = *item {
-                let shader = place.around.shader(shape);
-                match shader.even_at(x, y) {
-                    Some(sheet) => *item = Item::Sheet(sheet, formula),
-                    None => self.has_gradient = true,
-                }
-            }
-        }
     }
 
     /// The closed form, where borders do not cross.
