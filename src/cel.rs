@@ -184,7 +184,7 @@ impl Cel {
             if fresh != 0 {
                 match &mut picture {
                     Some(picture) if opaque => paint_fresh(picture, row, self.width, (word, fresh), brush),
-                    _ => self.start_sheets(row, top, word, fresh, brush),
+                    _ => self.start_sheets(row, top, (word, fresh), brush, entries),
                 }
             }
             if ends_lists && touched != 0 {
@@ -215,18 +215,47 @@ impl Cel {
     }
 
     /// The first paint on some pixels of a word.
-    fn start_sheets(&mut self, row: usize, top: u32, word: usize, fresh: u64, brush: &Brush) {
+    fn start_sheets<P: Part>(
+        &mut self,
+        row: usize,
+        top: u32,
+        (word, fresh): (usize, u64),
+        brush: &Brush,
+        entries: &mut Vec<Entry<P>>,
+    ) {
         let (first, start, y) = (word * 64, row * self.width + word * 64, top + row as u32);
+        let mut uneven = 0;
         for_runs(fresh, |a, b| {
             let sheets = &mut self.sheets[start + a..start + b];
             match brush {
                 Brush::Flat(sheet, _) => sheets.fill(*sheet),
                 Brush::Gradient { shader, .. } => {
-                    shader.row(first + a, y, sheets.len(), |i, sheet| sheets[i] = sheet);
+                    uneven |= shader.row(first + a, y, sheets.len(), |i, sheet| sheets[i] = sheet) << a;
                 }
             }
         });
         self.touched.row_mut(row)[word] |= fresh;
+        if uneven != 0 {
+            for_bits(uneven, |x| self.sheets[start + x] = Sheet::CLEAR);
+            self.list_whole(row, (word, uneven), brush, entries);
+        }
+    }
+
+    /// Starts lists on touched pixels of a word with paint of which the mean over a pixel will not do.
+    #[inline(never)]
+    fn list_whole<P: Part>(
+        &mut self,
+        row: usize,
+        (word, uneven): (usize, u64),
+        brush: &Brush,
+        entries: &mut Vec<Entry<P>>,
+    ) {
+        self.listed.row_mut(row)[word] |= uneven;
+        for_bits(uneven, |x| {
+            let pixel = row * self.width + word * 64 + x;
+            self.lists[pixel] = (NO_ENTRY, NO_ENTRY);
+            self.append(pixel, Entry { next: NO_ENTRY, part: P::WHOLE, kind: brush.kind() }, entries);
+        });
     }
 
     /// More paint behind what was painted on some pixels of a word; tells which let no light through.
@@ -240,7 +269,7 @@ impl Cel {
     ) -> u64 {
         let (first, start, y) = (word * 64, row * self.width + word * 64, top + row as u32);
         let listed = touched & self.listed.row(row)[word];
-        let mut saturated = 0;
+        let (mut saturated, mut uneven) = (0, 0);
         for_runs(touched & !listed, |a, b| {
             let sheets = &mut self.sheets[start + a..start + b];
             let mut darkest = 1.0;
@@ -256,7 +285,8 @@ impl Cel {
                     rest.iter_mut().for_each(|sheet| paint(sheet, *behind));
                 }
                 Brush::Gradient { shader, .. } => {
-                    shader.row(first + a, y, sheets.len(), |i, behind| paint(&mut sheets[i], behind));
+                    let paint = |i: usize, behind| paint(&mut sheets[i], behind);
+                    uneven |= shader.row(first + a, y, b - a, paint) << a;
                 }
             }
             if darkest < NEGLIGIBLE {
@@ -266,6 +296,9 @@ impl Cel {
             }
         });
         for_bits(listed, |x| self.append_whole(start + x, brush, entries));
+        if uneven != 0 {
+            self.list_whole(row, (word, uneven), brush, entries);
+        }
         saturated
     }
 

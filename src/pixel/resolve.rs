@@ -6,11 +6,12 @@
 use super::boundary::Boundary;
 use super::few::Few;
 use super::fragment::{Fragment, PieceSet, PIXEL_AREA};
-use super::paint_tree::{Composite, PaintTree};
+use super::paint_tree::{Composite, Effect, PaintTree};
 use super::sample::Sampler;
 use super::split::{centroid, Integrator, Known, MOST_LEAVES};
 use crate::edges::ONE;
 use crate::scene::paint::Sheet;
+use crate::scene::gradient_shader::Chord;
 use crate::scene::shader::{Shader, Spot};
 use crate::scene::FillRule;
 use crate::strips::Piece;
@@ -44,8 +45,9 @@ enum Formula {
 pub(crate) enum Item {
     /// A sheet of one colour over all of the pixel, or where the formula holds.
     Sheet(Sheet, Option<usize>),
-    /// The same with a gradient, by its shape's number.
-    Gradient(u32, Option<usize>),
+    /// The same with a gradient, by its shape's number. With it goes what the integrator knows the lines by at which
+    /// the gradient jumps in the pixel, if there are any.
+    Gradient(u32, Option<usize>, Option<usize>),
     /// A blended group of one colour. Its backdrop follows.
     Blended(BlendMode, Sheet),
     /// What follows, up to the matching end, composites as one.
@@ -76,6 +78,11 @@ pub(crate) struct Resolver {
     /// Formulas that several items share, by their node.
     shared: Vec<(u32, usize)>,
     has_gradient: bool,
+    /// Does the list blend?
+    has_blends: bool,
+    /// The lines at which gradients jump, and for each gradient with any where its own end.
+    chords: Vec<Chord>,
+    cuts: Vec<usize>,
     tree: RefCell<PaintTree>,
     /// Does the scene have clips?
     pub has_clips: bool,
@@ -117,7 +124,9 @@ impl Resolver {
         self.leaves.clear();
         self.identities.clear();
         self.shared.clear();
-        self.has_gradient = false;
+        self.chords.clear();
+        self.cuts.clear();
+        (self.has_gradient, self.has_blends) = (false, false);
     }
 
     pub fn push_sheet(&mut self, sheet: Sheet, node: Option<u32>, lists: &ZLists) {
@@ -127,12 +136,18 @@ impl Resolver {
 
     pub fn push_gradient(&mut self, shape: u32, node: Option<u32>, lists: &ZLists) {
         let formula = node.map(|node| self.formula(node, lists));
-        self.items.push(Item::Gradient(shape, formula));
+        self.items.push(Item::Gradient(shape, formula, None));
         self.has_gradient = true;
     }
 
     /// Adds a group's mark.
     pub fn push(&mut self, mark: Item) {
+        let blends = |composite: &Composite| matches!(composite.effect, Effect::Blend(_));
+        self.has_blends |= match &mark {
+            Item::Blended(..) => true,
+            Item::GroupStart(composite) => blends(composite),
+            _ => false,
+        };
         self.items.push(mark);
     }
 
@@ -198,7 +213,10 @@ impl Resolver {
             self.settle_gradients(place);
         }
         if self.has_gradient {
-            self.split(place, pieces, &mut mean);
+            match self.leaves.is_empty() && self.cuts.is_empty() {
+                true => mean.add(self.sheet_of(|_| false, place), PIXEL_AREA, around.linear),
+                false => self.split(place, pieces, &mut mean),
+            }
         } else if let [only] = self.leaves[..] {
             self.counts.one_fragment += 1;
             mean.add(self.sheet_of(|_| true, place), only.area(), around.linear);
@@ -219,13 +237,39 @@ impl Resolver {
     /// Makes sheets of the gradients of which every part of the pixel has the same colour.
     fn settle_gradients(&mut self, place: Place) {
         let (x, y) = place.middle();
-        self.has_gradient = false;
+        let mut uneven = 0;
         for item in &mut self.items {
-            if let Item::Gradient(shape, formula) = *item {
+            if let Item::Gradient(shape, formula, _) = *item {
                 let shader = place.around.shader(shape);
                 match shader.even_at(x, y) {
                     Some(sheet) => *item = Item::Sheet(sheet, formula),
-                    None => self.has_gradient = true,
+                    None => uneven += 1,
+                }
+            }
+        }
+        self.has_gradient = uneven > 0;
+        if uneven > 1 || self.has_gradient && self.must_cut(place.around) {
+            self.cut_gradients(place);
+        }
+    }
+
+    /// Is the colour of a region with a gradient in it not the mean of what it is in the region's places, even if
+    /// that gradient is the only one?
+    fn must_cut(&self, around: &Surroundings) -> bool {
+        self.has_blends || around.linear
+    }
+
+    /// Finds the lines between which gradients change little.
+    fn cut_gradients(&mut self, place: Place) {
+        let (x, y) = place.middle();
+        for item in &mut self.items {
+            if let Item::Gradient(shape, _, cut) = item {
+                let before = self.chords.len();
+                place.around.shader(*shape).cut(Point::new(x, y), &mut self.chords);
+                let number = self.leaves.len() + self.cuts.len();
+                if self.chords.len() > before && number < MOST_LEAVES {
+                    *cut = Some(number);
+                    self.cuts.push(self.chords.len());
                 }
             }
         }
@@ -278,6 +322,12 @@ impl Resolver {
             for leaf in &self.leaves {
                 self.set.gather(leaf.pieces, leaf.cover_left, pieces);
                 integrator.add(&self.set, leaf.rule);
+            }
+            let mut from = 0;
+            for &to in &self.cuts {
+                let ends = |chord: &Chord| chord.map(|end| place.fixed(end));
+                integrator.add_lines(self.chords[from..to].iter().map(ends));
+                from = to;
             }
             let is_known = |known: Known| {
                 move |leaf| (known.known >> leaf & 1 != 0).then_some(known.inside >> leaf & 1 != 0)
@@ -396,6 +446,13 @@ impl Resolver {
     ) -> Result<Sheet, usize> {
         let mut tree = self.tree.borrow_mut();
         tree.clear();
+        let must_cut = self.must_cut(around);
+        // The lines of the only gradient so far, which do not matter if there is no other.
+        let mut lines = None;
+        let cut = |lines: Option<usize>| match lines.filter(|&lines| known(lines).is_none()) {
+            Some(lines) => Err(lines),
+            None => Ok(()),
+        };
         for item in &self.items {
             match *item {
                 Item::GroupStart(composite) => tree.start(composite),
@@ -409,12 +466,20 @@ impl Resolver {
                     }
                 }
                 Item::Blended(mode, source) => tree.blend(mode, source),
-                Item::Gradient(shape, formula) => {
+                Item::Gradient(shape, formula, own_lines) => {
                     if self.holds(formula, known)? {
                         let shader = around.shader(shape);
                         match spot {
                             Some(spot) => tree.paint(shader.over(spot)),
-                            None => tree.paint_vaguely(shader.least()),
+                            None => {
+                                let is_only = lines.is_none() && !must_cut;
+                                if !is_only && !(tree.is_empty() && shader.is_opaque()) {
+                                    cut(lines.flatten())?;
+                                    cut(own_lines)?;
+                                }
+                                lines = Some(own_lines);
+                                tree.paint_vaguely(shader.least());
+                            }
                         }
                     }
                 }
@@ -459,6 +524,11 @@ impl Place<'_> {
     /// Fixed point in the pixel to pixels in the picture.
     fn point(&self, (x, y): (f64, f64)) -> Point {
         Point::new(self.x + x / f64::from(ONE), self.y + y / f64::from(ONE))
+    }
+
+    /// The inverse.
+    fn fixed(&self, p: Point) -> (f64, f64) {
+        ((p.x - self.x) * f64::from(ONE), (p.y - self.y) * f64::from(ONE))
     }
 
     fn whole(&self) -> Spot<'static> {
