@@ -5,7 +5,7 @@ mod random_scene;
 mod support;
 
 use random_scene::{Kinds, RandomScene};
-use toon_raster::reference;
+use toon_raster::reference::{self, Difference};
 use toon_raster::{Renderer, Scene, Settings, Viewport};
 
 const SIZE: u32 = 48;
@@ -15,13 +15,13 @@ const MOST: f64 = 1.0;
 
 #[track_caller]
 fn assert_true(kinds: Kinds, seeds: std::ops::Range<u64>) {
-    for (seed, off, svg) in differences(kinds, seeds) {
-        assert!(off <= MOST, "seed {seed} is {off:.2} levels off: {svg}");
+    for (seed, Difference { max, worst, .. }, svg) in differences(kinds, seeds) {
+        assert!(max <= MOST, "seed {seed} is {max:.2} levels off in {worst:?}: {svg}");
     }
 }
 
-/// How far the pictures of some scenes are off at most.
-fn differences(kinds: Kinds, seeds: std::ops::Range<u64>) -> impl Iterator<Item = (u64, f64, String)> {
+/// How far the pictures of some scenes are off.
+fn differences(kinds: Kinds, seeds: std::ops::Range<u64>) -> impl Iterator<Item = (u64, Difference, String)> {
     seeds.map(move |seed| {
         let svg = RandomScene::new(seed, kinds, SIZE).svg();
         let tree = usvg::Tree::from_str(&svg, &usvg::Options::default()).expect("valid SVG");
@@ -33,7 +33,7 @@ fn differences(kinds: Kinds, seeds: std::ops::Range<u64>) -> impl Iterator<Item 
             .expect("settings")
             .render(&scene, &viewport)
             .expect("a picture");
-        (seed, truth.compare(&picture).max, svg)
+        (seed, truth.compare(&picture), svg)
     })
 }
 

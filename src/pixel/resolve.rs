@@ -24,6 +24,9 @@ use usvg::BlendMode;
 /// Less light than this from behind cannot be seen: a thirtieth of an 8-bit level.
 pub(crate) const NEGLIGIBLE: f32 = 1.0 / 8192.0;
 
+/// Parts of a sub-scanline as long as the pixel is wide over which gradients are averaged, where a pixel is sampled.
+const PARTS_OF_LINE: f64 = 16.0;
+
 /// Where in a pixel something is painted: a formula over fragments.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Node {
@@ -209,11 +212,11 @@ impl Resolver {
     pub fn resolve(&mut self, x: u32, y: u32, pieces: &[Piece], around: &Surroundings) -> Mean {
         let place = Place { x: f64::from(x), y: f64::from(y), around };
         let mut mean = Mean::default();
-        if self.has_gradient {
+        if self.has_gradient && !self.is_one_region(around) {
             self.settle_gradients(place);
         }
         if self.has_gradient {
-            match self.leaves.is_empty() && self.cuts.is_empty() {
+            match self.is_one_region(around) {
                 true => mean.add(self.sheet_of(|_| false, place), PIXEL_AREA, around.linear),
                 false => self.split(place, pieces, &mut mean),
             }
@@ -232,6 +235,12 @@ impl Resolver {
             self.split(place, pieces, &mut mean);
         }
         mean
+    }
+
+    /// Is the pixel's colour what its gradient's mean makes of it?
+    fn is_one_region(&self, around: &Surroundings) -> bool {
+        let is_gradient = |item: &&Item| matches!(item, Item::Gradient(..));
+        self.leaves.is_empty() && !self.must_cut(around) && self.items.iter().filter(is_gradient).count() < 2
     }
 
     /// Makes sheets of the gradients of which every part of the pixel has the same colour.
@@ -425,11 +434,20 @@ impl Resolver {
             sampler.add(&self.set, leaf.rule);
         }
         let mut mean = Mean::default();
-        sampler.sample(|inside, area, middle| {
+        sampler.sample(|inside, area, stretch| {
             let known = |leaf: usize| Some(inside[leaf / 64] >> (leaf % 64) & 1 != 0);
-            let Point { x, y } = place.point(middle);
-            let sheet = self.compose(&known, Some(Spot::Pixel(x, y)), place.around);
-            mean.add(sheet.expect("every fragment is known"), area, place.around.linear);
+            // Gradients change along a stretch.
+            let length = (stretch.to - stretch.from) / f64::from(ONE);
+            let parts = if self.has_gradient { (length * PARTS_OF_LINE).ceil().max(1.0) } else { 1.0 };
+            let share = |i: i64| i as f64 / parts;
+            for i in 0..parts as i64 {
+                let part = stretch.part(share(i), share(i + 1));
+                let corners = part.corners().map(|corner| place.point(corner));
+                let spot = Spot::Polygon(place.point(part.centre()), &corners);
+                let sheet = self.compose(&known, Some(spot), place.around);
+                let area = area * (i + 1) / parts as i64 - area * i / parts as i64;
+                mean.add(sheet.expect("every fragment is known"), area, place.around.linear);
+            }
         });
         mean
     }

@@ -61,8 +61,8 @@ pub(crate) struct GradientShader<'a> {
     mattering: Range<usize>,
     /// The parameter changes by no more between the centre of the spot and its corners, anywhere.
     farthest: f64,
-    /// Below it lie the circles of a radial gradient that are too small for the colour in the middle of a pixel to
-    /// be the mean, even where the map goes straight.
+    /// Below it the circles of a radial gradient may be too small for the colour in the middle of a pixel to be the
+    /// mean, even where the map goes straight.
     apex: f64,
     /// At least the change of any component within a pixel, 0 ..= 1.
     contrast: f64,
@@ -82,8 +82,8 @@ pub(crate) struct GradientShader<'a> {
 const EVEN: f64 = 2.0 / 255.0;
 
 /// A gradient that changes by no more than this within a pixel is laid over others as its mean: a border through
-/// the pixel's middle makes an eighth of it, a level.
-const NEARLY_EVEN: f32 = 8.0 / 255.0;
+/// the pixel's middle makes an eighth of it, half a level.
+const NEARLY_EVEN: f32 = 4.0 / 255.0;
 
 /// The straight components of a colour that are mixed with the light that it lets through, and all of them.
 const ALPHA: Range<usize> = 3..4;
@@ -96,6 +96,11 @@ const MOST_LIFT: f64 = 0.125 / 255.0;
 /// What a pixel may be off by because circles are no straight lines, where the map turns.
 const MOST_CURVE: f64 = 0.15 / 255.0;
 
+/// The change of a component between two cuts. Of what two gradients that change together make of a third, a twelfth
+/// of the changes' product is lost; of light in which one changes, up to six twelfths of its square near black.
+const MOST_CHANGE: f32 = 1.0 / 6.0;
+const MOST_CHANGE_OF_LIGHT: f32 = 1.0 / 8.0;
+
 /// Parts of a full change of colour between which it is taken to go straight in linear light: a tenth of a level.
 const LIGHT_PARTS: f32 = 64.0;
 
@@ -105,7 +110,6 @@ const ON_BORDER: f64 = 1e-6;
 /// How often a pixel's side is halved at most where circles are no straight lines: next to an apex, and where the
 /// places are that have no colour.
 const MOST_HALVINGS: u32 = 5;
-const MOST_HALVINGS_OF_CIRCLES: u32 = 3;
 
 /// The corners of a square of side 1 around its middle.
 const CORNERS: [Vec2; 4] =
@@ -136,7 +140,8 @@ impl<'a> GradientShader<'a> {
         let change = if steepness > 0.0 { steepness * 2.0 * farthest } else { 0.0 };
         let apex = match &pattern {
             Pattern::Cone(cone) => cone.straight_from(MOST_LIFT / steepness),
-            Pattern::Linear { .. } | Pattern::Circles(_) => f64::NEG_INFINITY,
+            Pattern::Linear { .. } => f64::NEG_INFINITY,
+            Pattern::Circles(_) => f64::INFINITY,
         };
         let turns_everywhere = farthest.is_finite() && stretches.longest() < 2.0 * farthest * spot_scale;
         let mattering = match () {
@@ -193,7 +198,7 @@ impl<'a> GradientShader<'a> {
             return Some(self.least());
         };
         let (stretch, reach) = (self.stretches.around(local.t), self.spot_scale * local.reach());
-        let is_even = local.t >= self.apex
+        let is_even = (local.t >= self.apex || self.is_straight(&local, 1.0))
             && stretch.holds(local.t - reach, local.t + reach)
             && stretch.steepness() * 2.0 * reach <= EVEN;
         is_even.then(|| stretch.at(local.t))
@@ -257,7 +262,8 @@ impl<'a> GradientShader<'a> {
         for &border in self.pattern.borders() {
             cuts::of_line(border, centre, chords);
         }
-        let parameters = self.pattern.range(centre).map(|range| self.stretches.cuts(range));
+        let most_change = if self.linear { MOST_CHANGE_OF_LIGHT } else { MOST_CHANGE };
+        let parameters = self.pattern.range(centre).map(|range| self.stretches.cuts(range, most_change));
         for t in parameters.unwrap_or_default() {
             cuts::of_parameter(&self.pattern, (self.gradient.shape, self.to_pixels), t, centre, chords);
         }
@@ -374,7 +380,7 @@ impl<'a> GradientShader<'a> {
         let mean = if self.is_straight(local, side * side) {
             self.map().over_square(t, (side * local.along.x, side * local.along.y))
         } else {
-            self.square(centre, side, self.most_halvings()).mean()
+            self.square(centre, side, MOST_HALVINGS).mean()
         };
         mean.map_or_else(|| self.stretches.around(t).at(t), |mean| self.sheet_of(mean))
     }
@@ -430,13 +436,6 @@ impl<'a> GradientShader<'a> {
             }
         }
         sum.mean().map_or_else(|| self.least(), |mean| self.sheet_of(mean))
-    }
-
-    fn most_halvings(&self) -> u32 {
-        match self.pattern {
-            Pattern::Circles(_) => MOST_HALVINGS_OF_CIRCLES,
-            Pattern::Linear { .. } | Pattern::Cone(_) => MOST_HALVINGS,
-        }
     }
 
     /// The mean over the spot around a point, of a gradient that has colour everywhere: premultiplied, 0 ..= 255.
@@ -524,10 +523,11 @@ impl<'a> GradientShader<'a> {
         let stretch = self.stretches.around(local.t);
         let parameters = corners.iter().map(|&p| local.t + local.along.dot(p - centre));
         let (from, to) = parameters.fold((local.t, local.t), |(from, to), t| (t.min(from), t.max(to)));
-        if stretch.holds(from, to) && local.t >= self.apex {
+        let is_straight = local.t >= self.apex || self.is_straight(&local, 1.0);
+        if stretch.holds(from, to) && is_straight {
             return stretch.at(local.t);
         }
-        let integral = match self.is_straight(&local, 1.0) {
+        let integral = match is_straight {
             true => self.linear_integral(&local, centre, corners),
             false => self.in_triangles(centre, corners),
         };
@@ -538,7 +538,7 @@ impl<'a> GradientShader<'a> {
         let mut sum = Integral::default();
         for (i, &corner) in corners.iter().enumerate() {
             let next = corners[(i + 1) % corners.len()];
-            sum.add(self.triangle([centre, corner, next], self.most_halvings()));
+            sum.add(self.triangle([centre, corner, next], MOST_HALVINGS));
         }
         sum
     }
@@ -566,6 +566,10 @@ impl<'a> GradientShader<'a> {
     /// Over a polygon on which the parameter is taken to be linear, with the mean that it has.
     fn linear_integral(&self, local: &Local, centre: Point, corners: &[Point]) -> Integral {
         let square = local.along.hypot2();
+        if square == 0.0 {
+            let (color, area) = (self.color_of(self.stretches.around(local.t).at(local.t)), area_of(corners));
+            return Integral { sum: color.map(|v| f64::from(v) * area), area };
+        }
         let lifts = corners.iter().map(|&p| local.across.dot(p - centre).powi(2)).sum::<f64>();
         let t = local.t + local.bend * lifts / 24.0;
         self.map().over(corners.iter().map(|&p| {

@@ -408,15 +408,13 @@ impl Circles {
         // Along the circle it stays: it bends by the slope over the radius.
         let radius = r0 + t * dr;
         let across = Vec2::new(u.x * b - u.y * a, u.x * d - u.y * c) / radius;
-        let bend = if radius > 0.0 { 1.0 / root } else { f64::INFINITY };
-        // Next to the focal point the slope is nothing to go by.
-        let pixel = a * a + b * b + c * c + d * d;
-        if u.hypot2() > pixel && along.is_finite() {
-            return Some(Local { t, along, across, bend });
+        if along.is_finite() && radius > 0.0 {
+            return Some(Local { t, along, across, bend: 1.0 / root });
         }
+        // In the focal point, or on a border, the slope is nothing to go by.
         let step = |by: Vec2| 2.0 * (self.circle(self.to_plane * (p + by)).map_or(t, |(t, _)| t) - t);
         let along = Vec2::new(step(Vec2::new(0.5, 0.0)), step(Vec2::new(0.0, 0.5)));
-        Some(Local { t, along, across, bend })
+        Some(Local::on_plane(t, along))
     }
 
     /// The parameter of the circle through a point of the gradient's plane, and what its slope is to be

@@ -30,9 +30,6 @@ const SAME: f32 = 0.5 / 255.0;
 /// Stretches are looked at one by one in a pixel that has no more.
 const MOST_STRETCHES: usize = 12;
 
-/// The change of a component on a stretch between two cuts: of what two gradients that fade together make of a
-/// third, a twelfth of its square is lost.
-const MOST_STEP: f32 = 1.0 / 8.0;
 
 /// Added to a float of 0 ..= 255 it makes a sum whose last 8 binary digits are that number, rounded: floats of
 /// this size have no digits behind the point.
@@ -209,9 +206,9 @@ impl Stretches {
         are_few && components.into_iter().any(|i| greatest[i] - least[i] > most)
     }
 
-    /// The parameters in a range between which colours change by little: where they jump, and in between where they
-    /// are steep. Nothing if they are too many.
-    pub fn cuts(&self, range: (f64, f64)) -> Vec<f64> {
+    /// The parameters in a range between which no component changes by more than this: where they jump, and in between
+    /// where they are steep. Nothing if they are too many.
+    pub fn cuts(&self, range: (f64, f64), most_change: f32) -> Vec<f64> {
         let mut cuts = Vec::new();
         let mut before: Option<([f32; 4], f32)> = None;
         let are_few = self.each_in(range, |stretch, from, to| {
@@ -219,11 +216,11 @@ impl Stretches {
             let change = (0..4).map(|i| (last[i] - first[i]).abs()).fold(0.0, f32::max);
             if let Some((before, other)) = before {
                 let jumps = (0..4).any(|i| (first[i] - before[i]).abs() > SAME);
-                if jumps || change + other > MOST_STEP {
+                if jumps || change + other > most_change {
                     cuts.push(from);
                 }
             }
-            let steps = (change / MOST_STEP).ceil();
+            let steps = (change / most_change).ceil();
             let step = (to - from) / f64::from(steps);
             cuts.extend((1..steps as u32).map(|i| from + step * f64::from(i)));
             before = Some((last, change));
