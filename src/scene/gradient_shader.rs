@@ -406,7 +406,7 @@ impl<'a> GradientShader<'a> {
     /// and as much as a full diagonal of the square is on their wrong side, 1 / h times in a pixel.
     #[inline]
     fn is_straight(&self, local: &Local, share: f64) -> bool {
-        self.contrast * local.lift() * share <= MOST_CURVE * local.reach()
+        self.contrast * local.lift().abs() * share <= MOST_CURVE * local.reach()
     }
 
     /// Does a border beyond which there is no colour run through a polygon?

@@ -405,10 +405,11 @@ impl Circles {
         // the parameter's slope is u / root.
         let u = Vec2::new(in_plane.x - x0 - t * dx, in_plane.y - y0 - t * dy);
         let along = Vec2::new(u.x * a + u.y * b, u.x * c + u.y * d) / root;
-        // Along the circle it stays: it bends by the slope over the radius.
-        let radius = r0 + t * dr;
-        let across = Vec2::new(u.x * b - u.y * a, u.x * d - u.y * c) / radius;
-        if along.is_finite() && radius > 0.0 {
+        // Along the circle it stays: it bends there by the slope over the radius. It does not along the ray from
+        // where the circles have no radius, if that is anywhere.
+        let ray = Vec2::new((in_plane.x - x0) * dr + r0 * dx, (in_plane.y - y0) * dr + r0 * dy);
+        let across = Vec2::new(ray.x * b - ray.y * a, ray.x * d - ray.y * c) * u.hypot() / ray.dot(u);
+        if along.is_finite() && across.is_finite() {
             return Some(Local { t, along, across, bend: 1.0 / root });
         }
         // In the focal point, or on a border, the slope is nothing to go by.
