@@ -13,10 +13,14 @@ const SIZE: u32 = 48;
 /// The most that a channel may be off: half a level is rounding.
 const MOST: f64 = 1.0;
 
+/// The same of gradients over one another: of one that fades by up to 8 levels a pixel the mean is laid over borders.
+const MOST_OF_FADES: f64 = 1.25;
+
 #[track_caller]
 fn assert_true(kinds: Kinds, seeds: std::ops::Range<u64>) {
+    let most = if kinds.gradients > 1 { MOST_OF_FADES } else { MOST };
     for (seed, Difference { max, worst, .. }, svg) in differences(kinds, seeds) {
-        assert!(max <= MOST, "seed {seed} is {max:.2} levels off in {worst:?}: {svg}");
+        assert!(max <= most, "seed {seed} is {max:.2} levels off in {worst:?}: {svg}");
     }
 }
 

@@ -212,11 +212,11 @@ impl Resolver {
     pub fn resolve(&mut self, x: u32, y: u32, pieces: &[Piece], around: &Surroundings) -> Mean {
         let place = Place { x: f64::from(x), y: f64::from(y), around };
         let mut mean = Mean::default();
-        if self.has_gradient && !self.is_one_region(around) {
+        if self.has_gradient && !self.has_one_mean(around) {
             self.settle_gradients(place);
         }
         if self.has_gradient {
-            match self.is_one_region(around) {
+            match self.leaves.is_empty() && self.cuts.is_empty() {
                 true => mean.add(self.sheet_of(|_| false, place), PIXEL_AREA, around.linear),
                 false => self.split(place, pieces, &mut mean),
             }
@@ -238,7 +238,7 @@ impl Resolver {
     }
 
     /// Is the pixel's colour what its gradient's mean makes of it?
-    fn is_one_region(&self, around: &Surroundings) -> bool {
+    fn has_one_mean(&self, around: &Surroundings) -> bool {
         let is_gradient = |item: &&Item| matches!(item, Item::Gradient(..));
         self.leaves.is_empty() && !self.must_cut(around) && self.items.iter().filter(is_gradient).count() < 2
     }

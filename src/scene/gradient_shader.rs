@@ -64,6 +64,8 @@ pub(crate) struct GradientShader<'a> {
     /// Below it the circles of a radial gradient may be too small for the colour in the middle of a pixel to be the
     /// mean, even where the map goes straight.
     apex: f64,
+    /// At least the change of any component with the parameter, but for jumps.
+    steepness: f64,
     /// At least the change of any component within a pixel, 0 ..= 1.
     contrast: f64,
     /// Is no pixel where the map goes straight?
@@ -82,8 +84,8 @@ pub(crate) struct GradientShader<'a> {
 const EVEN: f64 = 2.0 / 255.0;
 
 /// A gradient that changes by no more than this within a pixel is laid over others as its mean: a border through
-/// the pixel's middle makes an eighth of it, half a level.
-const NEARLY_EVEN: f32 = 4.0 / 255.0;
+/// the pixel's middle makes an eighth of it, a level.
+const NEARLY_EVEN: f32 = 8.0 / 255.0;
 
 /// The straight components of a colour that are mixed with the light that it lets through, and all of them.
 const ALPHA: Range<usize> = 3..4;
@@ -92,6 +94,9 @@ const ALL: Range<usize> = 0..4;
 /// What the colour in the middle of a pixel may be off by because circles are no straight lines, where the map
 /// goes straight.
 const MOST_LIFT: f64 = 0.125 / 255.0;
+
+/// The lift as a share of the parameter's reach, beyond which it is not all that bends do.
+const MOST_SHARE_OF_LIFT: f64 = 0.02;
 
 /// What a pixel may be off by because circles are no straight lines, where the map turns.
 const MOST_CURVE: f64 = 0.15 / 255.0;
@@ -148,7 +153,7 @@ impl<'a> GradientShader<'a> {
             // Other spots are means of what lies around a pixel.
             _ if spot_scale != 1.0 => 0..0,
             _ if linear || has_groups => ALL,
-            _ if gradient.opaque => 0..0,
+            _ if gradient.opaque || pattern.borders().is_empty() && has_one_alpha(&gradient.stops) => 0..0,
             _ => ALPHA,
         };
         GradientShader {
@@ -157,6 +162,7 @@ impl<'a> GradientShader<'a> {
             spot_scale,
             linear,
             mattering,
+            steepness,
             farthest: farthest * spot_scale,
             apex,
             contrast: (greatest_jump(gradient) + change).min(1.0),
@@ -198,7 +204,7 @@ impl<'a> GradientShader<'a> {
             return Some(self.least());
         };
         let (stretch, reach) = (self.stretches.around(local.t), self.spot_scale * local.reach());
-        let is_even = (local.t >= self.apex || self.is_straight(&local, 1.0))
+        let is_even = self.keeps_mean(&local)
             && stretch.holds(local.t - reach, local.t + reach)
             && stretch.steepness() * 2.0 * reach <= EVEN;
         is_even.then(|| stretch.at(local.t))
@@ -210,7 +216,13 @@ impl<'a> GradientShader<'a> {
     pub fn row(&self, x: usize, y: u32, count: usize, mut put: impl FnMut(usize, Sheet)) -> u64 {
         let mut uneven = 0;
         let is_uneven = |i: usize| self.is_uneven(Point::new((x + i) as f64 + 0.5, f64::from(y) + 0.5));
-        self.spans(x, y, count, |first, span| match span {
+        let mut of_pixels = 0;
+        let skip = |i: usize| {
+            let skip = is_uneven(i);
+            of_pixels |= u64::from(skip) << i;
+            skip
+        };
+        self.spans(x, y, count, skip, |first, span| match span {
             Span::Straight(stretch, parameters) if self.may_be_uneven(stretch) => {
                 for (i, &t) in parameters.iter().enumerate() {
                     match is_uneven(first + i) {
@@ -222,19 +234,13 @@ impl<'a> GradientShader<'a> {
             Span::Straight(stretch, parameters) => {
                 parameters.iter().enumerate().for_each(|(i, &t)| put(first + i, stretch.at(t)));
             }
-            Span::Pixel(_) if is_uneven(first) => uneven |= 1 << first,
             Span::Pixel(sheet) => put(first, sheet),
             Span::Tabled(colors) => {
                 let sheet = |color: &[f32; 4]| sheet_of(color.map(|v| v * (1.0 / 255.0)));
-                for (i, color) in colors.iter().enumerate() {
-                    match is_uneven(first + i) {
-                        true => uneven |= 1 << (first + i),
-                        false => put(first + i, sheet(color)),
-                    }
-                }
+                colors.iter().enumerate().for_each(|(i, color)| put(first + i, sheet(color)));
             }
         });
-        uneven
+        uneven | of_pixels
     }
 
     /// Is there a pixel on a stretch whose colours differ so much that it matters?
@@ -271,7 +277,7 @@ impl<'a> GradientShader<'a> {
 
     /// The same in bytes, of a gradient that hides what lies behind.
     pub fn write_row(&self, x: usize, y: u32, pixels: &mut [[u8; 4]]) {
-        self.spans(x, y, pixels.len(), |first, span| match span {
+        self.spans(x, y, pixels.len(), |_| false, |first, span| match span {
             Span::Straight(stretch, parameters) => {
                 stretch.write(parameters, &mut pixels[first..first + parameters.len()]);
             }
@@ -286,9 +292,17 @@ impl<'a> GradientShader<'a> {
         });
     }
 
-    /// The colours of pixels of row `y` from column `x` on, each time with the place of the first.
+    /// The colours of pixels of row `y` from column `x` on, each time with the place of the first. Of pixels of
+    /// which each has its own mean it leaves out those that are to be skipped.
     #[inline]
-    fn spans(&self, x: usize, y: u32, count: usize, mut take: impl FnMut(usize, Span)) {
+    fn spans(
+        &self,
+        x: usize,
+        y: u32,
+        count: usize,
+        mut skip: impl FnMut(usize) -> bool,
+        mut take: impl FnMut(usize, Span),
+    ) {
         let centre = |i: usize| Point::new((x + i) as f64 + 0.5, f64::from(y) + 0.5);
         if let Some(spots) = self.spots() {
             let (mut aims, mut colors) = (Aims::default(), [[0.0; 4]; AT_A_TIME]);
@@ -302,7 +316,9 @@ impl<'a> GradientShader<'a> {
         }
         if self.turns_everywhere {
             self.pattern.each_of_row(centre(0), count, |i, local| {
-                take(i, Span::Pixel(self.mean(centre(i), local)));
+                if !skip(i) {
+                    take(i, Span::Pixel(self.mean(centre(i), local)));
+                }
             });
             return;
         }
@@ -325,7 +341,7 @@ impl<'a> GradientShader<'a> {
                         take(first + done, Span::Straight(stretch, &some[done..done + straight]));
                     }
                 }
-                if straight == 0 {
+                if straight == 0 && !skip(first + done) {
                     take(first + done, Span::Pixel(self.pixel(centre(first + done), &mut stretch)));
                 }
                 done += straight.max(1);
@@ -365,8 +381,8 @@ impl<'a> GradientShader<'a> {
         if !stretch.holds(t - reach, t + reach) {
             *stretch = self.stretches.around(t);
         }
-        let straight_enough = local.t >= self.apex || self.is_straight(&local, side * side);
-        match stretch.holds(t - reach, t + reach) && straight_enough {
+        let straight_enough = || self.keeps_mean(&local) || self.is_straight(&local, side * side);
+        match stretch.holds(t - reach, t + reach) && straight_enough() {
             true => stretch.at(t),
             false => self.mean(centre, &local),
         }
@@ -401,6 +417,16 @@ impl<'a> GradientShader<'a> {
         color_of(if self.linear { sheet.to_linear() } else { sheet })
     }
 
+    /// Is the colour in the middle of a pixel the mean, where the map goes straight?
+    #[inline]
+    fn keeps_mean(&self, local: &Local) -> bool {
+        local.t >= self.apex
+            || matches!(self.pattern, Pattern::Circles(_)) && {
+                let lift = local.lift().abs();
+                self.steepness * lift <= MOST_LIFT && lift <= MOST_SHARE_OF_LIFT * local.reach()
+            }
+    }
+
     /// May lines of one colour be taken for straight where the map turns, in a region that is such a share of a
     /// pixel? In a square of side h they leave straight lines of the same mean by up to h² / 12 of their curvature,
     /// and as much as a full diagonal of the square is on their wrong side, 1 / h times in a pixel.
@@ -413,8 +439,9 @@ impl<'a> GradientShader<'a> {
     #[inline]
     fn is_partly_clear(&self, corners: &[Point]) -> bool {
         let runs_through = |border: &Chord| {
-            let is_left = |p: &&Point| side_of(border, **p) > ON_BORDER;
-            corners.iter().any(|p| is_left(&p)) && corners.iter().any(|p| side_of(border, *p) < -ON_BORDER)
+            let sides = corners.iter().map(|&p| side_of(border, p));
+            let (least, most) = sides.fold((0.0f64, 0.0f64), |(least, most), v| (least.min(v), most.max(v)));
+            least < -ON_BORDER && most > ON_BORDER
         };
         self.pattern.borders().iter().any(runs_through)
     }
@@ -449,7 +476,7 @@ impl<'a> GradientShader<'a> {
     #[inline]
     fn spots(&self) -> Option<&Spots> {
         // A tenth of a level of light is more in the dark.
-        if !self.turns_everywhere || self.linear {
+        if !self.turns_everywhere || self.linear || self.may_differ() {
             return None;
         }
         let demand = || Demand {
@@ -458,6 +485,11 @@ impl<'a> GradientShader<'a> {
             most_lift: MOST_CURVE / self.contrast,
         };
         self.spots.get_or_init(|| Spots::plan(self.filtered(), demand())).as_ref()
+    }
+
+    /// May means not do in some pixels, in each of which the map turns?
+    fn may_differ(&self) -> bool {
+        !self.mattering.is_empty() && self.stretches.are_few_in(2.0 * self.farthest)
     }
 
     fn filtered(&self) -> Filtered<'_> {
@@ -523,11 +555,10 @@ impl<'a> GradientShader<'a> {
         let stretch = self.stretches.around(local.t);
         let parameters = corners.iter().map(|&p| local.t + local.along.dot(p - centre));
         let (from, to) = parameters.fold((local.t, local.t), |(from, to), t| (t.min(from), t.max(to)));
-        let is_straight = local.t >= self.apex || self.is_straight(&local, 1.0);
-        if stretch.holds(from, to) && is_straight {
+        if stretch.holds(from, to) && self.keeps_mean(&local) {
             return stretch.at(local.t);
         }
-        let integral = match is_straight {
+        let integral = match self.is_straight(&local, 1.0) {
             true => self.linear_integral(&local, centre, corners),
             false => self.in_triangles(centre, corners),
         };
@@ -595,11 +626,10 @@ fn square_of(centre: Point, side: f64) -> [Point; 4] {
     CORNERS.map(|corner| centre + side * corner)
 }
 
-/// How far a point lies on one side of a line.
+/// How far a point lies on one side of a line whose ends are a pixel apart.
 #[inline]
 fn side_of([from, to]: &Chord, p: Point) -> f64 {
-    let along = *to - *from;
-    along.cross(p - *from) / along.hypot()
+    (*to - *from).cross(p - *from)
 }
 
 /// The part of a convex polygon on one side of a line.
@@ -645,11 +675,15 @@ fn pixels_in(geometry: &Geometry, viewport: &Viewport) -> f64 {
     }
 }
 
+fn has_one_alpha(stops: &[Stop]) -> bool {
+    stops.iter().all(|stop| stop.color[3] == stops[0].color[3])
+}
+
 /// At least the difference of any two values of a component, premultiplied, 0 ..= 1.
 fn range(stops: &[Stop]) -> f64 {
     let alpha = stops[0].color[3];
     // Where colours fade they may go beyond those of the stops.
-    if stops.iter().any(|stop| stop.color[3] != alpha) {
+    if !has_one_alpha(stops) {
         return 1.0;
     }
     let range = |i: usize| {

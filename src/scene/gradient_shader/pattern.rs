@@ -127,6 +127,11 @@ impl Pattern {
                 Some((local.t - local.reach(), corners.into_iter().fold(local.t, f64::max)))
             }
             Pattern::Circles(circles) => {
+                let local = circles.local(centre);
+                // Nearly straight.
+                if let Some(local) = local.filter(|local| local.lift().abs() < 0.01 * local.reach()) {
+                    return Some((local.t - 1.5 * local.reach(), local.t + 1.5 * local.reach()));
+                }
                 const SIDE: usize = 5;
                 let place = |i: usize| i as f64 / (SIDE - 1) as f64 - 0.5;
                 let places = (0..SIDE * SIDE).map(|i| Vec2::new(place(i % SIDE), place(i / SIDE)));
@@ -140,7 +145,7 @@ impl Pattern {
         }
     }
 
-    /// The lines beyond which there is no colour, each by two points, in pixels.
+    /// The lines beyond which there is no colour, each by two points that are a pixel apart, in pixels.
     pub fn borders(&self) -> &[[Point; 2]] {
         match self {
             Pattern::Linear { .. } | Pattern::Cone(_) => &[],
@@ -455,8 +460,10 @@ fn borders((x, y, r): (f64, f64, f64), (dx, dy, dr): (f64, f64, f64), to_pixels:
     let line = |cosine: f64| {
         let normal = sine * ahead + cosine * aside;
         let touched = Point::new(x, y) - r * normal;
-        [touched, touched + distance * Vec2::new(-normal.y, normal.x)].map(|p| to_pixels * p)
+        let [from, to] =
+            [touched, touched + distance * Vec2::new(-normal.y, normal.x)].map(|p| to_pixels * p);
+        [from, from + (to - from) / (to - from).hypot()]
     };
     let both = [line(cosine), line(-cosine)];
-    both.into_iter().filter(|[a, b]| a.is_finite() && b.is_finite() && a != b).collect()
+    both.into_iter().filter(|ends| ends.iter().all(|end| end.is_finite())).collect()
 }

@@ -192,6 +192,11 @@ impl Stretches {
         false
     }
 
+    /// May a range of this length hold so few that they are looked at one by one?
+    pub fn are_few_in(&self, length: f64) -> bool {
+        length <= MOST_STRETCHES as f64 * self.longest()
+    }
+
     /// Does one of some components of the straight colour change by more than this in a range of the parameter? Not
     /// if there are too many changes to tell.
     pub fn differ(&self, range: (f64, f64), components: std::ops::Range<usize>, most: f32) -> bool {
