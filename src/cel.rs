@@ -187,7 +187,7 @@ impl Cel {
             if fresh != 0 {
                 match &mut picture {
                     Some(picture) if opaque => paint_fresh(picture, row, self.width, (word, fresh), brush),
-                    _ => self.start_sheets(row, top, word, fresh, brush),
+                    _ => self.start_sheets(row, top, (word, fresh), brush, entries),
                 }
             }
             if ends_lists && touched != 0 {
@@ -218,15 +218,44 @@ impl Cel {
     }
 
     /// The first paint on some pixels of a word.
-    fn start_sheets(&mut self, row: usize, top: u32, word: usize, fresh: u64, brush: &Brush) {
+    fn start_sheets<P: Part>(
+        &mut self,
+        row: usize,
+        top: u32,
+        (word, fresh): (usize, u64),
+        brush: &Brush,
+        entries: &mut Vec<Entry<P>>,
+    ) {
+        let mut uneven = 0;
         for_runs(fresh, |a, b| match brush {
             Brush::Flat(sheet, _) => self.sheets.fill((row, word), (a, b), *sheet),
             Brush::Gradient { shader, .. } => {
                 let sheets = self.sheets.each((row, word), (a, b));
-                shader.row(word * 64 + a, top + row as u32, sheets.len(), |i, sheet| sheets[i] = sheet);
+                let put = |i: usize, sheet| sheets[i] = sheet;
+                uneven |= shader.row(word * 64 + a, top + row as u32, b - a, put) << a;
             }
         });
-        self.covered.row_mut(row)[word] |= fresh;
+        self.covered.row_mut(row)[word] |= fresh & !uneven;
+        if uneven != 0 {
+            self.list_whole(row, (word, uneven), brush, entries);
+        }
+    }
+
+    /// Starts lists on pixels of a word with paint of which the mean over a pixel will not do.
+    #[inline(never)]
+    fn list_whole<P: Part>(
+        &mut self,
+        row: usize,
+        (word, uneven): (usize, u64),
+        brush: &Brush,
+        entries: &mut Vec<Entry<P>>,
+    ) {
+        self.listed.row_mut(row)[word] |= uneven;
+        for_bits(uneven, |x| {
+            let pixel = row * self.width + word * 64 + x;
+            self.lists[pixel] = (NO_ENTRY, NO_ENTRY);
+            self.append(pixel, Entry { next: NO_ENTRY, part: P::WHOLE, kind: brush.kind() }, entries);
+        });
     }
 
     /// More paint behind what was painted on some pixels of a word; tells which let no light through.
@@ -239,19 +268,23 @@ impl Cel {
         entries: &mut Vec<Entry<P>>,
     ) -> u64 {
         let listed = touched & self.listed.row(row)[word];
-        let mut saturated = 0;
+        let (mut saturated, mut uneven) = (0, 0);
         for_runs(touched & !listed, |a, b| match brush {
             Brush::Flat(behind, _) => saturated |= self.sheets.put_behind((row, word), (a, b), *behind),
             Brush::Gradient { shader, .. } => {
                 let sheets = self.sheets.each((row, word), (a, b));
-                shader.row(word * 64 + a, top + row as u32, sheets.len(), |i, behind| {
+                let put = |i: usize, behind| {
                     sheets[i] = sheets[i].over(behind);
                     saturated |= u64::from(sheets[i].through() < NEGLIGIBLE) << (a + i);
-                });
+                };
+                uneven |= shader.row(word * 64 + a, top + row as u32, b - a, put) << a;
             }
         });
         let start = row * self.width + word * 64;
         for_bits(listed, |x| self.append_whole(start + x, brush, entries));
+        if uneven != 0 {
+            self.list_whole(row, (word, uneven), brush, entries);
+        }
         saturated
     }
 

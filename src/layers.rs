@@ -14,7 +14,7 @@ use crate::effects::filter::{self, Job};
 use crate::effects::layer::{add_rgba8, IntRect, Layer, Space};
 use crate::effects::log::Log;
 use crate::effects::mask;
-use crate::scene::gradient_shader::GradientShader;
+use crate::scene::gradient_shader::{Demands, GradientShader};
 use crate::scene::paint::Paint;
 use crate::scene::print::{self, Print};
 use crate::scene::raster::{Mask, Raster, RasterGroup, Source};
@@ -55,6 +55,7 @@ pub(crate) fn shaders<'a>(
             settings.method
         )));
     }
+    let demands = Demands::new(scene, settings);
     let artist = Artist { scene, viewport, settings, slab, budget, log };
     let mut shaders = Vec::with_capacity(scene.shapes.len());
     let shapes = wanted.as_ref().map(|wanted| wanted.shapes(scene));
@@ -64,7 +65,7 @@ pub(crate) fn shaders<'a>(
             Paint::Flat(_) => None,
             _ if shapes.as_ref().is_some_and(|wanted| !wanted[number]) => None,
             Paint::Gradient(gradient) => {
-                let shader = GradientShader::new(gradient, &shape.geometry, viewport, settings.spot_scale);
+                let shader = GradientShader::new(gradient, &shape.geometry, viewport, demands);
                 Some(Shader::Gradient(Box::new(shader)))
             }
             Paint::Layer(layer, by) => {

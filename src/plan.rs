@@ -12,7 +12,7 @@ use crate::methods::{painter, Painter};
 use crate::polygons::Flattener;
 use crate::render::rows_at_once;
 use crate::scene::census::stands_for_a_layer;
-use crate::scene::gradient_shader::GradientShader;
+use crate::scene::gradient_shader::{Demands, GradientShader};
 use crate::scene::paint::Paint;
 use crate::scene::raster::{Mask, Raster, RasterGroup, Source};
 use crate::scene::{Geometry, Scene, Shape};
@@ -165,8 +165,8 @@ impl Planner<'_> {
                     work = work.max(most - own);
                 }
                 Paint::Gradient(gradient) => {
-                    let spot_scale = self.settings.spot_scale;
-                    let shader = GradientShader::new(gradient, &shape.geometry, viewport, spot_scale);
+                    let demands = Demands::new(scene, self.settings);
+                    let shader = GradientShader::new(gradient, &shape.geometry, viewport, demands);
                     self.plan.color_map_bytes += shader.table_bytes();
                 }
                 Paint::Flat(_) | Paint::Layer(..) => {}

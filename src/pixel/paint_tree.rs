@@ -117,6 +117,12 @@ impl PaintTree {
         self.front.through() < NEGLIGIBLE || self.open.last().is_some_and(|open| open.hidden)
     }
 
+    /// Has nothing been painted yet, nor a group started?
+    #[inline]
+    pub fn is_empty(&self) -> bool {
+        self.front == Sheet::CLEAR && self.open.is_empty()
+    }
+
     /// Would nothing be seen of whatever comes?
     #[inline]
     pub fn is_done(&self) -> bool {

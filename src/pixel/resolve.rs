@@ -6,10 +6,11 @@
 use super::boundary::Boundary;
 use super::few::Few;
 use super::fragment::{Fragment, PieceSet, PIXEL_AREA};
-use super::paint_tree::{Composite, PaintTree};
+use super::paint_tree::{Composite, Effect, PaintTree};
 use super::sample::Sampler;
 use super::split::{centroid, Integrator, Known, MOST_LEAVES};
 use crate::edges::ONE;
+use crate::scene::gradient_shader::Chord;
 use crate::scene::paint::Sheet;
 use crate::scene::shader::{Shader, Spot};
 use crate::scene::FillRule;
@@ -22,6 +23,9 @@ use usvg::BlendMode;
 
 /// Less light than this from behind cannot be seen: a thirtieth of an 8-bit level.
 pub(crate) const NEGLIGIBLE: f32 = 1.0 / 8192.0;
+
+/// Parts of a sub-scanline as long as the pixel is wide over which gradients are averaged, where a pixel is sampled.
+const PARTS_OF_LINE: f64 = 16.0;
 
 /// Where in a pixel something is painted: a formula over fragments.
 #[derive(Clone, Copy, Debug)]
@@ -44,8 +48,9 @@ enum Formula {
 pub(crate) enum Item {
     /// A sheet of one colour over all of the pixel, or where the formula holds.
     Sheet(Sheet, Option<usize>),
-    /// The same with a gradient, by its shape's number.
-    Gradient(u32, Option<usize>),
+    /// The same with a gradient, by its shape's number. With it goes what the integrator knows the lines by at which
+    /// the gradient jumps in the pixel, if there are any.
+    Gradient(u32, Option<usize>, Option<usize>),
     /// A blended group of one colour. Its backdrop follows.
     Blended(BlendMode, Sheet),
     /// What follows, up to the matching end, composites as one.
@@ -76,6 +81,11 @@ pub(crate) struct Resolver {
     /// Formulas that several items share, by their node.
     shared: Vec<(u32, usize)>,
     has_gradient: bool,
+    /// Does the list blend?
+    has_blends: bool,
+    /// The lines at which gradients jump, and for each gradient with any where its own end.
+    chords: Vec<Chord>,
+    cuts: Vec<usize>,
     tree: RefCell<PaintTree>,
     /// Does the scene have clips?
     pub has_clips: bool,
@@ -119,7 +129,9 @@ impl Resolver {
         self.leaves.clear();
         self.identities.clear();
         self.shared.clear();
-        self.has_gradient = false;
+        self.chords.clear();
+        self.cuts.clear();
+        (self.has_gradient, self.has_blends) = (false, false);
     }
 
     pub fn push_sheet(&mut self, sheet: Sheet, node: Option<u32>, lists: &ZLists) {
@@ -129,12 +141,18 @@ impl Resolver {
 
     pub fn push_gradient(&mut self, shape: u32, node: Option<u32>, lists: &ZLists) {
         let formula = node.map(|node| self.formula(node, lists));
-        self.items.push(Item::Gradient(shape, formula));
+        self.items.push(Item::Gradient(shape, formula, None));
         self.has_gradient = true;
     }
 
     /// Adds a group's mark.
     pub fn push(&mut self, mark: Item) {
+        let blends = |composite: &Composite| matches!(composite.effect, Effect::Blend(_));
+        self.has_blends |= match &mark {
+            Item::Blended(..) => true,
+            Item::GroupStart(composite) => blends(composite),
+            _ => false,
+        };
         self.items.push(mark);
     }
 
@@ -197,7 +215,13 @@ impl Resolver {
         let place = Place { x: f64::from(x), y: f64::from(y), around };
         let mut mean = Mean::default();
         if self.has_gradient {
-            self.split(place, pieces, &mut mean);
+            if self.must_cut(around) {
+                self.cut_gradients(place);
+            }
+            match self.leaves.is_empty() && self.cuts.is_empty() {
+                true => mean.add(self.sheet_of(|_| false, place), PIXEL_AREA, around.linear),
+                false => self.split(place, pieces, &mut mean),
+            }
         } else if let [only] = self.leaves[..] {
             self.counts.one_fragment += 1;
             mean.add(self.sheet_of(|_| true, place), only.area(), around.linear);
@@ -213,6 +237,29 @@ impl Resolver {
             self.split(place, pieces, &mut mean);
         }
         mean
+    }
+
+    /// Is the colour of a region with gradients in it not what their means make of it? So it is with more than one,
+    /// and with one if it is blended.
+    fn must_cut(&self, around: &Surroundings) -> bool {
+        let is_gradient = |item: &&Item| matches!(item, Item::Gradient(..));
+        self.has_blends || around.linear || self.items.iter().filter(is_gradient).count() > 1
+    }
+
+    /// Finds the lines between which gradients change little.
+    fn cut_gradients(&mut self, place: Place) {
+        let (x, y) = place.middle();
+        for item in &mut self.items {
+            if let Item::Gradient(shape, _, cut) = item {
+                let before = self.chords.len();
+                place.around.shader(*shape).cut(Point::new(x, y), &mut self.chords);
+                let number = self.leaves.len() + self.cuts.len();
+                if self.chords.len() > before && number < MOST_LEAVES {
+                    *cut = Some(number);
+                    self.cuts.push(self.chords.len());
+                }
+            }
+        }
     }
 
     /// The closed form, where borders do not cross.
@@ -262,6 +309,12 @@ impl Resolver {
             for leaf in &self.leaves {
                 self.set.gather(leaf.pieces, leaf.cover_left, pieces);
                 integrator.add(&self.set, leaf.rule);
+            }
+            let mut from = 0;
+            for &to in &self.cuts {
+                let ends = |chord: &Chord| chord.map(|end| place.fixed(end));
+                integrator.add_lines(self.chords[from..to].iter().map(ends));
+                from = to;
             }
             let is_known = |known: Known| {
                 move |leaf| (known.known >> leaf & 1 != 0).then_some(known.inside >> leaf & 1 != 0)
@@ -359,11 +412,20 @@ impl Resolver {
             sampler.add(&self.set, leaf.rule);
         }
         let mut mean = Mean::default();
-        sampler.sample(|inside, area, middle| {
+        sampler.sample(|inside, area, stretch| {
             let known = |leaf: usize| Some(inside[leaf / 64] >> (leaf % 64) & 1 != 0);
-            let Point { x, y } = place.point(middle);
-            let sheet = self.compose(&known, Some(Spot::Pixel(x, y)), place.around);
-            mean.add(sheet.expect("every fragment is known"), area, place.around.linear);
+            // Gradients change along a stretch.
+            let length = (stretch.to - stretch.from) / f64::from(ONE);
+            let parts = if self.has_gradient { (length * PARTS_OF_LINE).ceil().max(1.0) } else { 1.0 };
+            let share = |i: i64| i as f64 / parts;
+            for i in 0..parts as i64 {
+                let part = stretch.part(share(i), share(i + 1));
+                let corners = part.corners().map(|corner| place.point(corner));
+                let spot = Spot::Polygon(place.point(part.centre()), &corners);
+                let sheet = self.compose(&known, Some(spot), place.around);
+                let area = area * (i + 1) / parts as i64 - area * i / parts as i64;
+                mean.add(sheet.expect("every fragment is known"), area, place.around.linear);
+            }
         });
         mean
     }
@@ -380,6 +442,13 @@ impl Resolver {
     ) -> Result<Sheet, usize> {
         let mut tree = self.tree.borrow_mut();
         tree.clear();
+        let must_cut = self.must_cut(around);
+        // The lines of the only gradient so far, which do not matter if there is no other.
+        let mut lines = None;
+        let cut = |lines: Option<usize>| match lines.filter(|&lines| known(lines).is_none()) {
+            Some(lines) => Err(lines),
+            None => Ok(()),
+        };
         for item in &self.items {
             match *item {
                 Item::GroupStart(composite) => tree.start(composite),
@@ -393,12 +462,20 @@ impl Resolver {
                     }
                 }
                 Item::Blended(mode, source) => tree.blend(mode, source),
-                Item::Gradient(shape, formula) => {
+                Item::Gradient(shape, formula, own_lines) => {
                     if self.holds(formula, known)? {
                         let shader = around.shader(shape);
                         match spot {
                             Some(spot) => tree.paint(shader.over(spot)),
-                            None => tree.paint_vaguely(shader.least()),
+                            None => {
+                                let is_only = lines.is_none() && !must_cut;
+                                if !is_only && !(tree.is_empty() && shader.is_opaque()) {
+                                    cut(lines.flatten())?;
+                                    cut(own_lines)?;
+                                }
+                                lines = Some(own_lines);
+                                tree.paint_vaguely(shader.least());
+                            }
                         }
                     }
                 }
@@ -443,6 +520,11 @@ impl Place<'_> {
     /// Fixed point in the pixel to pixels in the picture.
     fn point(&self, (x, y): (f64, f64)) -> Point {
         Point::new(self.x + x / f64::from(ONE), self.y + y / f64::from(ONE))
+    }
+
+    /// The inverse.
+    fn fixed(&self, p: Point) -> (f64, f64) {
+        ((p.x - self.x) * f64::from(ONE), (p.y - self.y) * f64::from(ONE))
     }
 
     fn whole(&self) -> Spot<'static> {

@@ -11,6 +11,34 @@ use crate::scene::FillRule;
 /// Sub-scanlines in a pixel.
 const LINES: i32 = 128;
 
+/// Half the height of a sub-scanline, in fixed point.
+const HALF_LINE: f64 = ONE as f64 / LINES as f64 * 0.5;
+
+/// A stretch of a sub-scanline, in fixed point.
+#[derive(Clone, Copy)]
+pub(crate) struct Stretch {
+    pub from: f64,
+    pub to: f64,
+    middle: f64,
+}
+
+impl Stretch {
+    /// Its part from one share of its length to another.
+    pub fn part(&self, from: f64, to: f64) -> Stretch {
+        let at = |share: f64| self.from + (self.to - self.from) * share;
+        Stretch { from: at(from), to: at(to), ..*self }
+    }
+
+    pub fn corners(&self) -> [(f64, f64); 4] {
+        let (top, bottom) = (self.middle - HALF_LINE, self.middle + HALF_LINE);
+        [(self.from, top), (self.to, top), (self.to, bottom), (self.from, bottom)]
+    }
+
+    pub fn centre(&self) -> (f64, f64) {
+        (0.5 * (self.from + self.to), self.middle)
+    }
+}
+
 /// Fragments held for sampling.
 #[derive(Default)]
 pub(crate) struct Sampler {
@@ -38,9 +66,8 @@ impl Sampler {
         self.used += 1;
     }
 
-    /// Gives `emit` each region: one bit a fragment for those that cover it, its area, and its middle
-    /// in fixed point.
-    pub fn sample(&mut self, mut emit: impl FnMut(&[u64], i64, (f64, f64))) {
+    /// Gives `emit` each region: one bit a fragment for those that cover it, its area, and where it lies.
+    pub fn sample(&mut self, mut emit: impl FnMut(&[u64], i64, Stretch)) {
         const LINE_AREA: i64 = PIXEL_AREA / LINES as i64;
         let sets = &self.sets[..self.used];
         self.inside.clear();
@@ -60,10 +87,11 @@ impl Sampler {
             self.crossings.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
             let (mut from, mut spent) = (0.0, 0);
             let middle = f64::from(y) * 0.5;
+            let stretch = |from: f64, to: f64| Stretch { from, to, middle };
             for &(x, leaf, winding) in &self.crossings {
                 let area = ((x / f64::from(ONE) * LINE_AREA as f64) as i64).clamp(spent, LINE_AREA);
                 if area > spent {
-                    emit(&self.inside, area - spent, ((from + x) * 0.5, middle));
+                    emit(&self.inside, area - spent, stretch(from, x));
                     (from, spent) = (x, area);
                 }
                 let leaf = leaf as usize;
@@ -71,7 +99,7 @@ impl Sampler {
                 set_bit(&mut self.inside, leaf, sets[leaf].1.inside(self.windings[leaf]));
             }
             if spent < LINE_AREA {
-                emit(&self.inside, LINE_AREA - spent, ((from + f64::from(ONE)) * 0.5, middle));
+                emit(&self.inside, LINE_AREA - spent, stretch(from, f64::from(ONE)));
             }
         }
     }

@@ -136,6 +136,26 @@ impl Integrator {
         });
     }
 
+    /// Adds lines, by their ends in fixed point, numbered as a fragment is: a region is known once none of them
+    /// runs through it.
+    pub fn add_lines(&mut self, lines: impl Iterator<Item = [(f64, f64); 2]>) {
+        let (chords, steps) = (self.chords.len() as u32, self.steps.len() as u32);
+        self.chords.extend(lines.map(|[(x0, y0), (x1, y1)]| Chord {
+            x0,
+            y0,
+            x1,
+            y1,
+            line: Line::through(x0, y0, x1, y1),
+            winding: 0,
+        }));
+        self.leaves.push(Leaf {
+            chords: (chords, self.chords.len() as u32),
+            steps: (steps, steps),
+            base: 0,
+            rule: crate::scene::FillRule::NonZero,
+        });
+    }
+
     /// Splits the pixel until `wanted` asks for no more fragment. `wanted` is told what is known of a
     /// region and answers with the number of a fragment it must know, front ones first; `emit` is
     /// given each region: what is known of it, its area and its corners in fixed point. It gives up

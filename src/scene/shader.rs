@@ -1,7 +1,7 @@
 //! Takes a paint that differs from place to place, at a picture's scale, makes colours: of a row of
 //! pixels, of one pixel, or of a part of one.
 
-use super::gradient_shader::GradientShader;
+use super::gradient_shader::{Chord, GradientShader};
 use super::paint::Sheet;
 use crate::effects::layer::{Layer, Pixel, CLEAR};
 use kurbo::Point;
@@ -74,17 +74,26 @@ impl Shader<'_> {
         }
     }
 
-    /// Gives `put` the colours of pixels of row `y` from column `x` on, each with its place among them.
+    /// Gives `put` the colours of up to 64 pixels of row `y` from column `x` on, each with its place among them, but
+    /// for those for which the mean over the pixel will not do. These it returns, a bit for each.
     #[inline]
-    pub fn row(&self, x: usize, y: u32, count: usize, mut put: impl FnMut(usize, Sheet)) {
+    pub fn row(&self, x: usize, y: u32, count: usize, mut put: impl FnMut(usize, Sheet)) -> u64 {
         match self {
-            Shader::Gradient(gradient) => gradient.row(x, y, count, put),
+            Shader::Gradient(gradient) => return gradient.row(x, y, count, put),
             Shader::Layer { layer, by, .. } => {
                 layer.row(x as i32 - by.0, y as i32 - by.1, count, |i, pixel| put(i, sheet_of(pixel)));
             }
             Shader::Tile { layer, .. } => {
                 repeated(layer, x as i32, y as i32, count, |i, pixel| put(i, sheet_of(pixel)));
             }
+        }
+        0
+    }
+
+    /// Adds chords between which the colours change little in the pixel around a point.
+    pub fn cut(&self, centre: Point, chords: &mut Vec<Chord>) {
+        if let Shader::Gradient(gradient) = self {
+            gradient.cut(centre, chords);
         }
     }
 

@@ -10,8 +10,8 @@ pub struct Kinds {
     pub masks: bool,
     pub blends: bool,
     pub patterns: bool,
-    /// One shape in front of the others is painted with one.
-    pub gradient: bool,
+    /// So many shapes in front of the others are painted with one each.
+    pub gradients: usize,
 }
 
 pub struct RandomScene {
@@ -51,7 +51,7 @@ impl RandomScene {
         for _ in 0..1 + self.below(6) {
             body += &self.node(0);
         }
-        if self.kinds.gradient {
+        for _ in 0..self.kinds.gradients {
             let fill = self.gradient();
             body += &self.shape(self.size, &format!("fill='{fill}'"));
         }

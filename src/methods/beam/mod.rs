@@ -23,7 +23,7 @@ use self::contours::contours;
 use self::region::{Region, Work};
 use self::sums::Sums;
 use crate::edges::ONE;
-use crate::scene::gradient_shader::GradientShader;
+use crate::scene::gradient_shader::{Demands, GradientShader};
 use crate::scene::paint::{Paint, Sheet};
 use crate::scene::shader::Shader;
 use crate::scene::{ClipId, FillRule, Geometry, GroupId, Outline, Scene};
@@ -85,10 +85,11 @@ pub(super) fn paint(
         Sheet::new([r, g, b].map(unit), unit(a))
     };
     let background = settings.background.map_or(Sheet::CLEAR, sheet_of);
+    let demands = Demands::new(scene, settings);
     let shader = |paint, geometry| match paint {
         &Paint::Flat(_) => None,
         Paint::Gradient(gradient) => {
-            let shader = GradientShader::new(gradient, geometry, viewport, settings.spot_scale);
+            let shader = GradientShader::new(gradient, geometry, viewport, demands);
             Some(Shader::Gradient(Box::new(shader)))
         }
         Paint::Raster(_) | Paint::Layer(..) => unreachable!("refused above"),

@@ -6,6 +6,7 @@
 //! t = t₀ + h·v + √(vᵀ M v). So it is convex, its slope is h + M v / √(vᵀ M v), and its second derivative, which is
 //! 0 along v, is det M / √(vᵀ M v)³ times (v turned by a right angle) twice.
 
+use super::CORNERS;
 use crate::scene::paint::GradientShape;
 use kurbo::{Affine, Point, Vec2};
 
@@ -109,6 +110,46 @@ impl Pattern {
             }
             Pattern::Cone(cone) => Some(cone.local(p)),
             Pattern::Circles(circles) => circles.local(p),
+        }
+    }
+
+    /// A range that holds the parameters of all places in the pixel around a point that have one.
+    pub fn range(&self, centre: Point) -> Option<(f64, f64)> {
+        match self {
+            Pattern::Linear { .. } => {
+                let local = self.local(centre)?;
+                Some((local.t - local.reach(), local.t + local.reach()))
+            }
+            Pattern::Cone(cone) => {
+                // It lies above its planes, and between the corners below what it is in them.
+                let local = cone.local(centre);
+                let corners = CORNERS.map(|corner| cone.local(centre + corner).t);
+                Some((local.t - local.reach(), corners.into_iter().fold(local.t, f64::max)))
+            }
+            Pattern::Circles(circles) => {
+                let local = circles.local(centre);
+                // Nearly straight.
+                if let Some(local) = local.filter(|local| local.lift().abs() < 0.01 * local.reach()) {
+                    return Some((local.t - 1.5 * local.reach(), local.t + 1.5 * local.reach()));
+                }
+                const SIDE: usize = 5;
+                let place = |i: usize| i as f64 / (SIDE - 1) as f64 - 0.5;
+                let places = (0..SIDE * SIDE).map(|i| Vec2::new(place(i % SIDE), place(i / SIDE)));
+                let parameters = places.filter_map(|by| circles.circle(circles.to_plane * (centre + by)));
+                let ends = (f64::INFINITY, f64::NEG_INFINITY);
+                let (least, most) =
+                    parameters.fold(ends, |(least, most), (t, _)| (least.min(t), most.max(t)));
+                let margin = 0.5 * (most - least);
+                (least <= most).then_some((least - margin, most + margin))
+            }
+        }
+    }
+
+    /// The lines beyond which there is no colour, each by two points that are a pixel apart, in pixels.
+    pub fn borders(&self) -> &[[Point; 2]] {
+        match self {
+            Pattern::Linear { .. } | Pattern::Cone(_) => &[],
+            Pattern::Circles(circles) => &circles.borders,
         }
     }
 
@@ -346,13 +387,16 @@ pub(super) struct Circles {
     step: (f64, f64, f64),
     /// The quadratic coefficient of the parameter's equation, and its inverse.
     quadratic: (f64, f64),
+    /// See [`Pattern::borders`].
+    borders: Vec<[Point; 2]>,
 }
 
 impl Circles {
     fn new(start: (f64, f64, f64), step: (f64, f64, f64), to_plane: Affine) -> Circles {
         let (dx, dy, dr) = step;
         let quadratic = dx * dx + dy * dy - dr * dr;
-        Circles { to_plane, start, step, quadratic: (quadratic, 1.0 / quadratic) }
+        let borders = borders(start, step, to_plane.inverse());
+        Circles { to_plane, start, step, quadratic: (quadratic, 1.0 / quadratic), borders }
     }
 
     /// The greatest t with a radius of at least 0 whose circle passes through the point (SVG 2, 14.2.3; HTML
@@ -366,18 +410,17 @@ impl Circles {
         // the parameter's slope is u / root.
         let u = Vec2::new(in_plane.x - x0 - t * dx, in_plane.y - y0 - t * dy);
         let along = Vec2::new(u.x * a + u.y * b, u.x * c + u.y * d) / root;
-        // Along the circle it stays: it bends by the slope over the radius.
-        let radius = r0 + t * dr;
-        let across = Vec2::new(u.x * b - u.y * a, u.x * d - u.y * c) / radius;
-        let bend = if radius > 0.0 { 1.0 / root } else { f64::INFINITY };
-        // Next to the focal point the slope is nothing to go by.
-        let pixel = a * a + b * b + c * c + d * d;
-        if u.hypot2() > pixel && along.is_finite() {
-            return Some(Local { t, along, across, bend });
+        // Along the circle it stays: it bends there by the slope over the radius. It does not along the ray from
+        // where the circles have no radius, if that is anywhere.
+        let ray = Vec2::new((in_plane.x - x0) * dr + r0 * dx, (in_plane.y - y0) * dr + r0 * dy);
+        let across = Vec2::new(ray.x * b - ray.y * a, ray.x * d - ray.y * c) * u.hypot() / ray.dot(u);
+        if along.is_finite() && across.is_finite() {
+            return Some(Local { t, along, across, bend: 1.0 / root });
         }
+        // In the focal point, or on a border, the slope is nothing to go by.
         let step = |by: Vec2| 2.0 * (self.circle(self.to_plane * (p + by)).map_or(t, |(t, _)| t) - t);
         let along = Vec2::new(step(Vec2::new(0.5, 0.0)), step(Vec2::new(0.0, 0.5)));
-        Some(Local { t, along, across, bend })
+        Some(Local::on_plane(t, along))
     }
 
     /// The parameter of the circle through a point of the gradient's plane, and what its slope is to be
@@ -401,4 +444,26 @@ impl Circles {
         let root = square.sqrt().copysign(a);
         valid((half_b + root) * inverse, -root).or_else(|| valid((half_b - root) * inverse, root))
     }
+}
+
+/// The lines that touch all circles, if these do not nest, in pixels.
+fn borders((x, y, r): (f64, f64, f64), (dx, dy, dr): (f64, f64, f64), to_pixels: Affine) -> Vec<[Point; 2]> {
+    let distance = dx.hypot(dy);
+    let sine = dr / distance;
+    // They do not if they lie within one another, or are around one centre.
+    if sine.is_nan() || sine.abs() > 1.0 + 1e-9 {
+        return Vec::new();
+    }
+    // A unit normal n touches the circle at t where n . t (dx, dy) = t dr: the same for all t.
+    let (ahead, aside) = (Vec2::new(dx, dy) / distance, Vec2::new(-dy, dx) / distance);
+    let cosine = (1.0 - sine * sine).max(0.0).sqrt();
+    let line = |cosine: f64| {
+        let normal = sine * ahead + cosine * aside;
+        let touched = Point::new(x, y) - r * normal;
+        let [from, to] =
+            [touched, touched + distance * Vec2::new(-normal.y, normal.x)].map(|p| to_pixels * p);
+        [from, from + (to - from) / (to - from).hypot()]
+    };
+    let both = [line(cosine), line(-cosine)];
+    both.into_iter().filter(|ends| ends.iter().all(|end| end.is_finite())).collect()
 }

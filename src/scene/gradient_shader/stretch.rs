@@ -20,6 +20,16 @@ pub(super) struct Stretch {
 /// middle is off by: a quarter of an 8-bit level.
 const MOST_BEND: f64 = 12.0 * 0.25 / 255.0;
 
+/// At least half the second derivative of light by its encoding over the first: what bends in linear light, as a
+/// change of the encoding, in which colours go straight.
+const LIGHT_BEND: f64 = 7.4;
+
+/// Colours that differ by less are one.
+const SAME: f32 = 0.5 / 255.0;
+
+/// Stretches are looked at one by one in a pixel that has no more.
+const MOST_STRETCHES: usize = 12;
+
 /// Added to a float of 0 ..= 255 it makes a sum whose last 8 binary digits are that number, rounded: floats of
 /// this size have no digits behind the point.
 const ROUNDER: f32 = 8_388_608.0;
@@ -52,22 +62,35 @@ impl Stretch {
         Stretch { from, to, origin: 0.0, color, slope: [0.0; 4], bend: 0.0 }
     }
 
-    fn between(a: Stop, b: Stop) -> Stretch {
+    fn between(a: Stop, b: Stop, linear: bool) -> Stretch {
         let length = b.offset - a.offset;
         let slope: [f32; 4] = std::array::from_fn(|i| (b.color[i] - a.color[i]) / length);
         let (from, to) = (f64::from(a.offset), f64::from(b.offset));
         let [red, green, blue, alpha] = slope.map(|v| f64::from(v).abs());
-        let bend = red.max(green).max(blue) * alpha;
+        let color = red.max(green).max(blue);
+        let bend = color * alpha + if linear { LIGHT_BEND * color * color } else { 0.0 };
         Stretch { from, to, origin: from, color: a.color, slope, bend }
     }
 
     #[inline]
     pub fn at(&self, t: f64) -> Sheet {
+        let [r, g, b, alpha] = self.straight(t);
+        Sheet::new([r, g, b], alpha)
+    }
+
+    /// Straight red, green, blue and alpha.
+    #[inline]
+    fn straight(&self, t: f64) -> [f32; 4] {
         let by = t - self.origin;
         // Only where the colour stays is it farther.
         let by = if by.abs() < 1e30 { by as f32 } else { 0.0 };
-        let [r, g, b, alpha]: [f32; 4] = std::array::from_fn(|i| self.color[i] + self.slope[i] * by);
-        Sheet::new([r, g, b], alpha)
+        std::array::from_fn(|i| self.color[i] + self.slope[i] * by)
+    }
+
+    /// The greatest change of some components with the parameter.
+    #[inline]
+    pub fn change(&self, components: std::ops::Range<usize>) -> f64 {
+        self.slope[components].iter().fold(0.0, |most: f32, v| most.max(v.abs())).into()
     }
 
     /// The colours at parameters on it, for gradients that hide what lies behind.
@@ -117,10 +140,10 @@ pub(super) struct Stretches {
 
 impl Stretches {
     /// `stops` are not empty.
-    pub fn new(stops: &[Stop], spread: Spread) -> Stretches {
+    pub fn new(stops: &[Stop], spread: Spread, linear: bool) -> Stretches {
         let (first, last) = (stops[0], stops[stops.len() - 1]);
         let mut all = vec![Stretch::flat(f64::NEG_INFINITY, first.offset.into(), first.color)];
-        all.extend(stops.windows(2).map(|pair| Stretch::between(pair[0], pair[1])));
+        all.extend(stops.windows(2).map(|pair| Stretch::between(pair[0], pair[1], linear)));
         all.push(Stretch::flat(last.offset.into(), f64::INFINITY, last.color));
         Stretches { all, spread }
     }
@@ -150,6 +173,67 @@ impl Stretches {
     #[inline]
     fn within(&self, t: f64) -> &Stretch {
         &self.all[self.all[1..].partition_point(|stretch| stretch.from <= t)]
+    }
+
+    /// Gives `take` the stretches of a range of the parameter one by one, with where they begin and end in it;
+    /// `false` if they are too many.
+    fn each_in(&self, (from, to): (f64, f64), mut take: impl FnMut(&Stretch, f64, f64)) -> bool {
+        let mut t = from;
+        for _ in 0..MOST_STRETCHES {
+            let stretch = self.around(t);
+            take(&stretch, t, stretch.to.min(to));
+            if stretch.to >= to {
+                return true;
+            }
+            // Whole periods are no digits behind the point.
+            t = stretch.to.max(t + 1e-9 * (to - from));
+        }
+        false
+    }
+
+    /// May a range of this length hold so few that they are looked at one by one?
+    pub fn are_few_in(&self, length: f64) -> bool {
+        length <= MOST_STRETCHES as f64 * self.longest()
+    }
+
+    /// Does one of some components of the straight colour change by more than this in a range of the parameter? Not
+    /// if there are too many changes to tell.
+    pub fn differ(&self, range: (f64, f64), components: std::ops::Range<usize>, most: f32) -> bool {
+        let (mut least, mut greatest) = ([f32::INFINITY; 4], [f32::NEG_INFINITY; 4]);
+        let are_few = self.each_in(range, |stretch, from, to| {
+            for color in [from, to].map(|t| stretch.straight(t)) {
+                for i in 0..4 {
+                    (least[i], greatest[i]) = (least[i].min(color[i]), greatest[i].max(color[i]));
+                }
+            }
+        });
+        are_few && components.into_iter().any(|i| greatest[i] - least[i] > most)
+    }
+
+    /// The parameters in a range between which no component changes by more than this: where they jump, and in between
+    /// where they are steep. Nothing if they are too many.
+    pub fn cuts(&self, range: (f64, f64), most_change: f32) -> Vec<f64> {
+        let mut cuts = Vec::new();
+        let mut before: Option<([f32; 4], f32)> = None;
+        let are_few = self.each_in(range, |stretch, from, to| {
+            let (first, last) = (stretch.straight(from), stretch.straight(to));
+            let change = (0..4).map(|i| (last[i] - first[i]).abs()).fold(0.0, f32::max);
+            if let Some((before, other)) = before {
+                let jumps = (0..4).any(|i| (first[i] - before[i]).abs() > SAME);
+                if jumps || change + other > most_change {
+                    cuts.push(from);
+                }
+            }
+            let steps = (change / most_change).ceil();
+            let step = (to - from) / f64::from(steps);
+            cuts.extend((1..steps as u32).map(|i| from + step * f64::from(i)));
+            before = Some((last, change));
+        });
+        if are_few {
+            cuts
+        } else {
+            Vec::new()
+        }
     }
 
     /// The length of the longest one.
