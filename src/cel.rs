@@ -224,25 +224,21 @@ impl Cel {
         entries: &mut Vec<Entry<P>>,
     ) {
         let (first, start, y) = (word * 64, row * self.width + word * 64, top + row as u32);
-        let mut uneven = 0;
         for_runs(fresh, |a, b| {
             let sheets = &mut self.sheets[start + a..start + b];
             match brush {
                 Brush::Flat(sheet, _) => sheets.fill(*sheet),
                 Brush::Gradient { shader, .. } => {
-                    uneven |= shader.row(first + a, y, sheets.len(), |i, sheet| sheets[i] = sheet) << a;
+                    let uneven = shader.row(first + a, y, sheets.len(), |i, sheet| sheets[i] = sheet);
+                    for_bits(uneven, |i| sheets[i] = Sheet::CLEAR);
+                    self.list_whole(row, (word, uneven << a), brush, entries);
                 }
             }
         });
         self.touched.row_mut(row)[word] |= fresh;
-        if uneven != 0 {
-            for_bits(uneven, |x| self.sheets[start + x] = Sheet::CLEAR);
-            self.list_whole(row, (word, uneven), brush, entries);
-        }
     }
 
-    /// Starts lists on touched pixels of a word with paint of which the mean over a pixel will not do.
-    #[inline(never)]
+    /// Starts lists on pixels of a word with paint of which the mean over a pixel will not do.
     fn list_whole<P: Part>(
         &mut self,
         row: usize,
@@ -269,7 +265,7 @@ impl Cel {
     ) -> u64 {
         let (first, start, y) = (word * 64, row * self.width + word * 64, top + row as u32);
         let listed = touched & self.listed.row(row)[word];
-        let (mut saturated, mut uneven) = (0, 0);
+        let mut saturated = 0;
         for_runs(touched & !listed, |a, b| {
             let sheets = &mut self.sheets[start + a..start + b];
             let mut darkest = 1.0;
@@ -286,19 +282,18 @@ impl Cel {
                 }
                 Brush::Gradient { shader, .. } => {
                     let paint = |i: usize, behind| paint(&mut sheets[i], behind);
-                    uneven |= shader.row(first + a, y, b - a, paint) << a;
+                    let uneven = shader.row(first + a, y, b - a, paint);
+                    self.list_whole(row, (word, uneven << a), brush, entries);
                 }
             }
             if darkest < NEGLIGIBLE {
+                let sheets = &self.sheets[start + a..start + b];
                 for (i, sheet) in sheets.iter().enumerate() {
                     saturated |= u64::from(sheet.through() < NEGLIGIBLE) << (a + i);
                 }
             }
         });
         for_bits(listed, |x| self.append_whole(start + x, brush, entries));
-        if uneven != 0 {
-            self.list_whole(row, (word, uneven), brush, entries);
-        }
         saturated
     }
 

@@ -10,8 +10,8 @@ use super::paint_tree::{Composite, Effect, PaintTree};
 use super::sample::Sampler;
 use super::split::{centroid, Integrator, Known, MOST_LEAVES};
 use crate::edges::ONE;
-use crate::scene::paint::Sheet;
 use crate::scene::gradient_shader::Chord;
+use crate::scene::paint::Sheet;
 use crate::scene::shader::{Shader, Spot};
 use crate::scene::FillRule;
 use crate::strips::Piece;
@@ -464,7 +464,6 @@ impl Resolver {
     ) -> Result<Sheet, usize> {
         let mut tree = self.tree.borrow_mut();
         tree.clear();
-        let must_cut = self.must_cut(around);
         // The lines of the only gradient so far, which do not matter if there is no other.
         let mut lines = None;
         let cut = |lines: Option<usize>| match lines.filter(|&lines| known(lines).is_none()) {
@@ -490,7 +489,7 @@ impl Resolver {
                         match spot {
                             Some(spot) => tree.paint(shader.over(spot)),
                             None => {
-                                let is_only = lines.is_none() && !must_cut;
+                                let is_only = lines.is_none() && !self.must_cut(around);
                                 if !is_only && !(tree.is_empty() && shader.is_opaque()) {
                                     cut(lines.flatten())?;
                                     cut(own_lines)?;

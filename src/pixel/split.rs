@@ -140,8 +140,13 @@ impl Integrator {
     /// runs through it.
     pub fn add_lines(&mut self, lines: impl Iterator<Item = [(f64, f64); 2]>) {
         let (chords, steps) = (self.chords.len() as u32, self.steps.len() as u32);
-        self.chords.extend(lines.map(|[(x0, y0), (x1, y1)]| {
-            Chord { x0, y0, x1, y1, line: Line::through(x0, y0, x1, y1), winding: 0 }
+        self.chords.extend(lines.map(|[(x0, y0), (x1, y1)]| Chord {
+            x0,
+            y0,
+            x1,
+            y1,
+            line: Line::through(x0, y0, x1, y1),
+            winding: 0,
         }));
         self.leaves.push(Leaf {
             chords: (chords, self.chords.len() as u32),

@@ -74,7 +74,8 @@ impl Ellipse {
         let [u, v] = self.axes;
         let mut ends = Vec::with_capacity(8);
         // Where a component of a point is what it is on two sides of the pixel.
-        for (u, v, to_middle) in [(u.x, v.x, centre.x - self.middle.x), (u.y, v.y, centre.y - self.middle.y)] {
+        for (u, v, to_middle) in [(u.x, v.x, centre.x - self.middle.x), (u.y, v.y, centre.y - self.middle.y)]
+        {
             let (most, turn) = (u.hypot(v), libm::atan2(v, u));
             for side in [to_middle - 0.5, to_middle + 0.5].map(|side| side / most) {
                 if side.abs() < 1.0 {
