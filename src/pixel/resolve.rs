@@ -490,7 +490,7 @@ impl Resolver {
                             Some(spot) => tree.paint(shader.over(spot)),
                             None => {
                                 let is_only = lines.is_none() && !self.must_cut(around);
-                                if !is_only && !(tree.is_empty() && shader.is_opaque()) {
+                                if !(is_only || tree.is_empty() && shader.is_opaque()) {
                                     cut(lines.flatten())?;
                                     cut(own_lines)?;
                                 }
