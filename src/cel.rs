@@ -226,23 +226,20 @@ impl Cel {
         brush: &Brush,
         entries: &mut Vec<Entry<P>>,
     ) {
-        let mut uneven = 0;
+        self.covered.row_mut(row)[word] |= fresh;
         for_runs(fresh, |a, b| match brush {
             Brush::Flat(sheet, _) => self.sheets.fill((row, word), (a, b), *sheet),
             Brush::Gradient { shader, .. } => {
                 let sheets = self.sheets.each((row, word), (a, b));
                 let put = |i: usize, sheet| sheets[i] = sheet;
-                uneven |= shader.row(word * 64 + a, top + row as u32, b - a, put) << a;
+                let uneven = shader.row(word * 64 + a, top + row as u32, b - a, put) << a;
+                self.covered.row_mut(row)[word] &= !uneven;
+                self.list_whole(row, (word, uneven), brush, entries);
             }
         });
-        self.covered.row_mut(row)[word] |= fresh & !uneven;
-        if uneven != 0 {
-            self.list_whole(row, (word, uneven), brush, entries);
-        }
     }
 
     /// Starts lists on pixels of a word with paint of which the mean over a pixel will not do.
-    #[inline(never)]
     fn list_whole<P: Part>(
         &mut self,
         row: usize,
@@ -268,7 +265,7 @@ impl Cel {
         entries: &mut Vec<Entry<P>>,
     ) -> u64 {
         let listed = touched & self.listed.row(row)[word];
-        let (mut saturated, mut uneven) = (0, 0);
+        let mut saturated = 0;
         for_runs(touched & !listed, |a, b| match brush {
             Brush::Flat(behind, _) => saturated |= self.sheets.put_behind((row, word), (a, b), *behind),
             Brush::Gradient { shader, .. } => {
@@ -277,14 +274,12 @@ impl Cel {
                     sheets[i] = sheets[i].over(behind);
                     saturated |= u64::from(sheets[i].through() < NEGLIGIBLE) << (a + i);
                 };
-                uneven |= shader.row(word * 64 + a, top + row as u32, b - a, put) << a;
+                let uneven = shader.row(word * 64 + a, top + row as u32, b - a, put) << a;
+                self.list_whole(row, (word, uneven), brush, entries);
             }
         });
         let start = row * self.width + word * 64;
         for_bits(listed, |x| self.append_whole(start + x, brush, entries));
-        if uneven != 0 {
-            self.list_whole(row, (word, uneven), brush, entries);
-        }
         saturated
     }
 

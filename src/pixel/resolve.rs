@@ -442,7 +442,6 @@ impl Resolver {
     ) -> Result<Sheet, usize> {
         let mut tree = self.tree.borrow_mut();
         tree.clear();
-        let must_cut = self.must_cut(around);
         // The lines of the only gradient so far, which do not matter if there is no other.
         let mut lines = None;
         let cut = |lines: Option<usize>| match lines.filter(|&lines| known(lines).is_none()) {
@@ -468,8 +467,8 @@ impl Resolver {
                         match spot {
                             Some(spot) => tree.paint(shader.over(spot)),
                             None => {
-                                let is_only = lines.is_none() && !must_cut;
-                                if !is_only && !(tree.is_empty() && shader.is_opaque()) {
+                                let is_only = lines.is_none() && !self.must_cut(around);
+                                if !(is_only || tree.is_empty() && shader.is_opaque()) {
                                     cut(lines.flatten())?;
                                     cut(own_lines)?;
                                 }

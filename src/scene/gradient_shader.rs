@@ -18,8 +18,8 @@ use super::paint::{Gradient, Sheet, Spread, Stop};
 use super::shader::sheet_of;
 use crate::outlines::bounds_in_pixels;
 use crate::scene::Geometry;
-use crate::scene::Scene;
-use crate::{Settings, Viewport};
+use crate::scene::{Group, Role, Scene};
+use crate::{Method, Settings, Viewport};
 use kurbo::{Affine, Point, Rect, Vec2};
 use pattern::{Aims, Local, Pattern, AT_A_TIME};
 use spots::{Demand, Filtered, Spots};
@@ -35,14 +35,19 @@ pub(crate) struct Demands {
     spot_scale: f64,
     /// As [`crate::Settings::linear`].
     linear: bool,
-    /// Does the scene have groups, which may make anything of colours?
-    has_groups: bool,
+    /// Does the scene have masks or blend modes, which may make anything of colours?
+    has_effects: bool,
+    /// Are they asked for parts of pixels? Other methods look at points, around which they get means.
+    by_parts: bool,
 }
 
 impl Demands {
     pub fn new(scene: &Scene, settings: &Settings) -> Demands {
-        let Settings { spot_scale, linear, .. } = *settings;
-        Demands { spot_scale, linear, has_groups: scene.groups.len() > 1 }
+        let Settings { spot_scale, linear, method, .. } = *settings;
+        let is_effect =
+            |group: &Group| matches!(group.role, Role::Mask(_) | Role::Masked(_) | Role::Blend(_));
+        let has_effects = scene.groups.iter().any(is_effect);
+        Demands { spot_scale, linear, has_effects, by_parts: method == Method::Exact }
     }
 }
 
@@ -84,8 +89,9 @@ pub(crate) struct GradientShader<'a> {
 const EVEN: f64 = 2.0 / 255.0;
 
 /// A gradient that changes by no more than this within a pixel is laid over others as its mean: a border through
-/// the pixel's middle makes an eighth of it, a level.
-const NEARLY_EVEN: f32 = 8.0 / 255.0;
+/// the pixel's middle makes an eighth of it, a level. That is of its alpha; of its colours it is twice as much, as
+/// they are mixed with others only under effects and in linear light.
+const NEARLY_EVEN: [f32; 4] = [16.0 / 255.0, 16.0 / 255.0, 16.0 / 255.0, 8.0 / 255.0];
 
 /// The straight components of a colour that are mixed with the light that it lets through, and all of them.
 const ALPHA: Range<usize> = 3..4;
@@ -136,7 +142,7 @@ impl<'a> GradientShader<'a> {
         gradient: &'a Gradient,
         geometry: &Geometry,
         viewport: &Viewport,
-        Demands { spot_scale, linear, has_groups }: Demands,
+        Demands { spot_scale, linear, has_effects, by_parts }: Demands,
     ) -> GradientShader<'a> {
         let to_pixels = viewport.transform * gradient.transform;
         let pattern = Pattern::new(gradient.shape, to_pixels.inverse());
@@ -151,8 +157,8 @@ impl<'a> GradientShader<'a> {
         let turns_everywhere = farthest.is_finite() && stretches.longest() < 2.0 * farthest * spot_scale;
         let mattering = match () {
             // Other spots are means of what lies around a pixel.
-            _ if spot_scale != 1.0 => 0..0,
-            _ if linear || has_groups => ALL,
+            _ if spot_scale != 1.0 || !by_parts => 0..0,
+            _ if linear || has_effects => ALL,
             _ if gradient.opaque || pattern.borders().is_empty() && has_one_alpha(&gradient.stops) => 0..0,
             _ => ALPHA,
         };
@@ -246,8 +252,8 @@ impl<'a> GradientShader<'a> {
     /// Is there a pixel on a stretch whose colours differ so much that it matters?
     #[inline]
     fn may_be_uneven(&self, stretch: &Stretch) -> bool {
-        let change = stretch.change(self.mattering.clone()) * 2.0 * self.farthest;
-        change > f64::from(NEARLY_EVEN)
+        stretch
+            .changes(self.mattering.clone(), NEARLY_EVEN.map(|most| f64::from(most) / (2.0 * self.farthest)))
     }
 
     /// Do the colours in the pixel around a point differ so much that it matters?

@@ -87,10 +87,10 @@ impl Stretch {
         std::array::from_fn(|i| self.color[i] + self.slope[i] * by)
     }
 
-    /// The greatest change of some components with the parameter.
+    /// Does one of some components change by more than this with the parameter?
     #[inline]
-    pub fn change(&self, components: std::ops::Range<usize>) -> f64 {
-        self.slope[components].iter().fold(0.0, |most: f32, v| most.max(v.abs())).into()
+    pub fn changes(&self, mut components: std::ops::Range<usize>, most: [f64; 4]) -> bool {
+        components.any(|i| f64::from(self.slope[i].abs()) > most[i])
     }
 
     /// The colours at parameters on it, for gradients that hide what lies behind.
@@ -198,7 +198,7 @@ impl Stretches {
 
     /// Does one of some components of the straight colour change by more than this in a range of the parameter? Not
     /// if there are too many changes to tell.
-    pub fn differ(&self, range: (f64, f64), components: std::ops::Range<usize>, most: f32) -> bool {
+    pub fn differ(&self, range: (f64, f64), mut components: std::ops::Range<usize>, most: [f32; 4]) -> bool {
         let (mut least, mut greatest) = ([f32::INFINITY; 4], [f32::NEG_INFINITY; 4]);
         let are_few = self.each_in(range, |stretch, from, to| {
             for color in [from, to].map(|t| stretch.straight(t)) {
@@ -207,7 +207,7 @@ impl Stretches {
                 }
             }
         });
-        are_few && components.into_iter().any(|i| greatest[i] - least[i] > most)
+        are_few && components.any(|i| greatest[i] - least[i] > most[i])
     }
 
     /// The parameters in a range between which no component changes by more than this: where they jump, and in between
