@@ -64,6 +64,8 @@ pub(crate) struct GradientShader<'a> {
     linear: bool,
     /// The components whose differences within a pixel matter to what they are laid over or under.
     mattering: Range<usize>,
+    /// Does it matter whether it has colour in all of a pixel?
+    ends_at_borders: bool,
     /// The parameter changes by no more between the centre of the spot and its corners, anywhere.
     farthest: f64,
     /// Below it the circles of a radial gradient may be too small for the colour in the middle of a pixel to be the
@@ -71,6 +73,8 @@ pub(crate) struct GradientShader<'a> {
     apex: f64,
     /// At least the change of any component with the parameter, but for jumps.
     steepness: f64,
+    /// At least any of its jumps, 0 ..= 1.
+    jump: f64,
     /// At least the change of any component within a pixel, 0 ..= 1.
     contrast: f64,
     /// Is no pixel where the map goes straight?
@@ -103,6 +107,12 @@ const MOST_LIFT: f64 = 0.125 / 255.0;
 
 /// The lift as a share of the parameter's reach, beyond which it is not all that bends do.
 const MOST_SHARE_OF_LIFT: f64 = 0.02;
+
+/// The same of a triangle's corners, where it bends by six times as much.
+const MOST_SHARE_OF_BEND: f64 = 6.0 * MOST_SHARE_OF_LIFT;
+
+/// What a part of a pixel may be off by, of which there are some dozens.
+const MOST_OF_PARTS: f64 = 0.01 / 255.0;
 
 /// What a pixel may be off by because circles are no straight lines, where the map turns.
 const MOST_CURVE: f64 = 0.15 / 255.0;
@@ -155,20 +165,22 @@ impl<'a> GradientShader<'a> {
             Pattern::Circles(_) => f64::INFINITY,
         };
         let turns_everywhere = farthest.is_finite() && stretches.longest() < 2.0 * farthest * spot_scale;
-        let mattering = match () {
-            // Other spots are means of what lies around a pixel.
-            _ if spot_scale != 1.0 || !by_parts => 0..0,
-            _ if linear || has_effects => ALL,
-            _ if gradient.opaque || pattern.borders().is_empty() && has_one_alpha(&gradient.stops) => 0..0,
-            _ => ALPHA,
+        // Other spots are means of what lies around a pixel.
+        let has_parts = by_parts && spot_scale == 1.0;
+        let mattering = match linear || has_effects {
+            true if has_parts => ALL,
+            false if has_parts && !has_one_alpha(&gradient.stops) => ALPHA,
+            _ => 0..0,
         };
         GradientShader {
             gradient,
             to_pixels,
             spot_scale,
             linear,
+            ends_at_borders: has_parts && !pattern.borders().is_empty(),
             mattering,
             steepness,
+            jump: greatest_jump(gradient),
             farthest: farthest * spot_scale,
             apex,
             contrast: (greatest_jump(gradient) + change).min(1.0),
@@ -259,14 +271,9 @@ impl<'a> GradientShader<'a> {
     /// Do the colours in the pixel around a point differ so much that it matters?
     #[inline(never)]
     fn is_uneven(&self, centre: Point) -> bool {
-        if self.mattering.is_empty() {
-            return false;
-        }
-        self.is_partly_clear(&square_of(centre, 1.0))
-            || self
-                .pattern
-                .range(centre)
-                .is_some_and(|range| self.stretches.differ(range, self.mattering.clone(), NEARLY_EVEN))
+        let differ = |range| self.stretches.differ(range, self.mattering.clone(), NEARLY_EVEN);
+        self.ends_at_borders && self.is_partly_clear(&square_of(centre, 1.0))
+            || !self.mattering.is_empty() && self.pattern.range(centre).is_some_and(differ)
     }
 
     /// Adds chords between which the colours change little in the pixel around a point.
@@ -393,7 +400,8 @@ impl<'a> GradientShader<'a> {
         if !stretch.holds(t - reach, t + reach) {
             *stretch = self.stretches.around(t);
         }
-        let straight_enough = || self.keeps_mean(&local) || self.is_straight(&local, side * side);
+        let straight_enough =
+            || self.keeps_mean(&local) || self.is_straight(&local, side * side) || bends_little(&local);
         match stretch.holds(t - reach, t + reach) && straight_enough() {
             true => stretch.at(t),
             false => self.mean(centre, &local),
@@ -433,10 +441,9 @@ impl<'a> GradientShader<'a> {
     #[inline]
     fn keeps_mean(&self, local: &Local) -> bool {
         local.t >= self.apex
-            || matches!(self.pattern, Pattern::Circles(_)) && {
-                let lift = local.lift().abs();
-                self.steepness * lift <= MOST_LIFT && lift <= MOST_SHARE_OF_LIFT * local.reach()
-            }
+            || matches!(self.pattern, Pattern::Circles(_))
+                && self.steepness * local.lift().abs() <= MOST_LIFT
+                && bends_little(local)
     }
 
     /// May lines of one colour be taken for straight where the map turns, in a region that is such a share of a
@@ -444,7 +451,16 @@ impl<'a> GradientShader<'a> {
     /// and as much as a full diagonal of the square is on their wrong side, 1 / h times in a pixel.
     #[inline]
     fn is_straight(&self, local: &Local, share: f64) -> bool {
-        self.contrast * local.lift().abs() * share <= MOST_CURVE * local.reach()
+        self.contrast_around(local) * local.lift().abs() * share <= MOST_CURVE * local.reach()
+    }
+
+    /// At least the change of any component within the pixel of which this is the middle, 0 ..= 1.
+    #[inline]
+    fn contrast_around(&self, local: &Local) -> f64 {
+        match &self.pattern {
+            Pattern::Circles(_) => (self.jump + self.steepness * 2.0 * local.reach()).min(1.0),
+            Pattern::Linear { .. } | Pattern::Cone(_) => self.contrast,
+        }
     }
 
     /// Does a border beyond which there is no colour run through a polygon?
@@ -591,9 +607,13 @@ impl<'a> GradientShader<'a> {
         let [a, b, c] = corners;
         let centre = Point::new((a.x + b.x + c.x) / 3.0, (a.y + b.y + c.y) / 3.0);
         let (local, area) = (self.pattern.local(centre), 0.5 * (b - a).cross(c - a));
-        if let Some(local) = local.filter(|local| halvings == 0 || self.is_straight(local, 2.0 * area.abs()))
-        {
-            return self.linear_integral(&local, centre, &corners);
+        if let Some(local) = local {
+            if let Some(color) = self.even_on(&local, centre, &corners) {
+                return Integral { sum: color.map(|v| f64::from(v) * area), area };
+            }
+            if halvings == 0 || self.is_straight(&local, 2.0 * area.abs()) {
+                return self.linear_integral(&local, centre, &corners);
+            }
         }
         // Where there is no colour there is nothing to add but area.
         let mut sum = Integral { area: if halvings == 0 { area } else { 0.0 }, ..Integral::default() };
@@ -604,6 +624,20 @@ impl<'a> GradientShader<'a> {
             }
         }
         sum
+    }
+
+    /// The mean over a triangle on which the map goes straight and the parameter bends little, or which does not count
+    /// for more.
+    fn even_on(&self, local: &Local, centre: Point, corners: &[Point; 3]) -> Option<[f32; 4]> {
+        let most = |of: &dyn Fn(Vec2) -> f64| corners.iter().map(|&p| of(p - centre)).fold(0.0, f64::max);
+        let reach = most(&|by| local.along.dot(by).abs());
+        let bent = most(&|by| 0.5 * local.bend.abs() * local.across.dot(by).powi(2));
+        let (stretch, far) = (self.stretches.around(local.t), reach + bent);
+        let most_off = (self.jump + self.steepness * far) * area_of(corners).abs();
+        let goes_straight = bent <= MOST_SHARE_OF_BEND * reach && stretch.holds(local.t - far, local.t + far);
+        let lifts = corners.iter().map(|&p| local.across.dot(p - centre).powi(2)).sum::<f64>();
+        (goes_straight || most_off <= MOST_OF_PARTS)
+            .then(|| self.color_of(stretch.at(local.t + local.bend * lifts / 24.0)))
     }
 
     /// Over a polygon on which the parameter is taken to be linear, with the mean that it has.
@@ -630,6 +664,12 @@ impl<'a> GradientShader<'a> {
             Sheet::CLEAR
         }
     }
+}
+
+/// Is what the parameter bends within a pixel all told by its lift?
+#[inline]
+fn bends_little(local: &Local) -> bool {
+    local.lift().abs() <= MOST_SHARE_OF_LIFT * local.reach()
 }
 
 /// The corners of a square of this side around a point.

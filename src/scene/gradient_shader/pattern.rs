@@ -127,9 +127,13 @@ impl Pattern {
                 Some((local.t - local.reach(), corners.into_iter().fold(local.t, f64::max)))
             }
             Pattern::Circles(circles) => {
+                let has_any = |by: Vec2| circles.circle(circles.to_plane * (centre + by)).is_some();
                 let local = circles.local(centre);
+                if local.is_none() && !CORNERS.into_iter().any(has_any) {
+                    return None;
+                }
                 // Nearly straight.
-                if let Some(local) = local.filter(|local| local.lift().abs() < 0.01 * local.reach()) {
+                if let Some(local) = local.filter(|local| local.lift().abs() < 0.02 * local.reach()) {
                     return Some((local.t - 1.5 * local.reach(), local.t + 1.5 * local.reach()));
                 }
                 const SIDE: usize = 5;
