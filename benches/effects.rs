@@ -244,6 +244,10 @@ fn scenes() -> Vec<(&'static str, String)> {
         ("gradient, radial", gradient("radialGradient", radial, PAGE)),
         ("gradient, radial on 40 outlined circles", gradient("radialGradient", radial, &in_gradient)),
         (
+            "gradient, focus outside its circle",
+            gradient("radialGradient", "cx='350' cy='512' r='200' fx='700' fy='512'", PAGE),
+        ),
+        (
             "gradient, 300 rings",
             gradient("radialGradient", "cx='500' cy='520' r='2' spreadMethod='repeat'", PAGE),
         ),

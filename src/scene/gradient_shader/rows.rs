@@ -1,0 +1,149 @@
+//! Takes pixels of a row, makes their colours: many at a time where the map goes straight or there are tables.
+
+use super::pattern::{Aims, AT_A_TIME};
+use super::stretch::{self, Stretch};
+use super::{sheet_of, GradientShader};
+use crate::scene::paint::Sheet;
+use kurbo::Point;
+
+/// Some of a row's colours.
+enum Span<'a> {
+    /// Of pixels with these parameters, which lie on a stretch.
+    Straight(&'a Stretch, &'a [f64]),
+    /// Of one pixel.
+    Pixel(Sheet),
+    /// Of these pixels, premultiplied, 0 ..= 255.
+    Tabled(&'a [[f32; 4]]),
+}
+
+impl GradientShader<'_> {
+    /// Gives `put` the colours of up to 64 pixels of row `y` from column `x` on, each with its place among them, but
+    /// for those for which the mean over the pixel will not do. These it returns, a bit for each.
+    #[inline]
+    pub fn row(&self, x: usize, y: u32, count: usize, mut put: impl FnMut(usize, Sheet)) -> u64 {
+        let mut uneven = 0;
+        let is_uneven = |i: usize| self.is_uneven(Point::new((x + i) as f64 + 0.5, f64::from(y) + 0.5));
+        let mut of_pixels = 0;
+        let skip = |i: usize| {
+            let skip = is_uneven(i);
+            of_pixels |= u64::from(skip) << i;
+            skip
+        };
+        self.spans(x, y, count, skip, |first, span| match span {
+            Span::Straight(stretch, parameters) if self.may_be_uneven(stretch) => {
+                for (i, &t) in parameters.iter().enumerate() {
+                    match is_uneven(first + i) {
+                        true => uneven |= 1 << (first + i),
+                        false => put(first + i, stretch.at(t)),
+                    }
+                }
+            }
+            Span::Straight(stretch, parameters) => {
+                parameters.iter().enumerate().for_each(|(i, &t)| put(first + i, stretch.at(t)));
+            }
+            Span::Pixel(sheet) => put(first, sheet),
+            Span::Tabled(colors) => {
+                let sheet = |color: &[f32; 4]| sheet_of(color.map(|v| v * (1.0 / 255.0)));
+                colors.iter().enumerate().for_each(|(i, color)| put(first + i, sheet(color)));
+            }
+        });
+        uneven | of_pixels
+    }
+
+    /// The same in bytes, of a gradient that hides what lies behind.
+    pub fn write_row(&self, x: usize, y: u32, pixels: &mut [[u8; 4]]) {
+        self.spans(
+            x,
+            y,
+            pixels.len(),
+            |_| false,
+            |first, span| match span {
+                Span::Straight(stretch, parameters) => {
+                    stretch.write(parameters, &mut pixels[first..first + parameters.len()]);
+                }
+                Span::Pixel(sheet) => pixels[first] = stretch::opaque_bytes(sheet),
+                Span::Tabled(colors) => {
+                    let pixels = &mut pixels[first..first + colors.len()];
+                    pixels
+                        .iter_mut()
+                        .zip(colors)
+                        .for_each(|(pixel, color)| *pixel = stretch::rounded_opaque(*color));
+                }
+            },
+        );
+    }
+
+    /// The colours of pixels of row `y` from column `x` on, each time with the place of the first. Of pixels of
+    /// which each has its own mean it leaves out those that are to be skipped.
+    #[inline]
+    fn spans(
+        &self,
+        x: usize,
+        y: u32,
+        count: usize,
+        mut skip: impl FnMut(usize) -> bool,
+        mut take: impl FnMut(usize, Span),
+    ) {
+        let centre = |i: usize| Point::new((x + i) as f64 + 0.5, f64::from(y) + 0.5);
+        if let Some(spots) = self.spots() {
+            let (mut aims, mut colors) = (Aims::default(), [[0.0; 4]; AT_A_TIME]);
+            for first in (0..count).step_by(AT_A_TIME) {
+                let colors = &mut colors[..(count - first).min(AT_A_TIME)];
+                let other = |i: usize| self.mean_at(centre(first + i));
+                spots.row(self.filtered(), centre(first), &mut aims, (&mut *colors, other));
+                take(first, Span::Tabled(colors));
+            }
+            return;
+        }
+        if self.turns_everywhere {
+            self.pattern.each_of_row(centre(0), count, |i, local| {
+                if !skip(i) {
+                    take(i, Span::Pixel(self.mean(centre(i), local)));
+                }
+            });
+            return;
+        }
+        let mut stretch = None;
+        let mut parameters = [0.0; AT_A_TIME];
+        for first in (0..count).step_by(AT_A_TIME) {
+            let some = &mut parameters[..(count - first).min(AT_A_TIME)];
+            let has_all = self.pattern.row(centre(first), some);
+            let mut done = 0;
+            while let Some(&t) = some.get(done) {
+                // As far as the colours go straight.
+                let mut straight = 0;
+                if has_all {
+                    let stretch = stretch.get_or_insert_with(|| self.stretches.around(t));
+                    if !stretch.holds(t, t) {
+                        *stretch = self.stretches.around(t);
+                    }
+                    straight = self.straight_ones(stretch, &some[done..]);
+                    if straight > 0 {
+                        take(first + done, Span::Straight(stretch, &some[done..done + straight]));
+                    }
+                }
+                if straight == 0 && !skip(first + done) {
+                    take(first + done, Span::Pixel(self.pixel(centre(first + done), &mut stretch)));
+                }
+                done += straight.max(1);
+            }
+        }
+    }
+
+    /// How many parameters from the first on lie so far within a stretch that pixels do.
+    #[inline]
+    fn straight_ones(&self, stretch: &Stretch, parameters: &[f64]) -> usize {
+        let (from, to) = stretch.middle(self.farthest);
+        let from = from.max(self.apex);
+        let lies = |t: f64| (from <= t) & (t <= to);
+        // Mostly it is all or none.
+        if !lies(parameters[0]) {
+            return 0;
+        }
+        let others: u64 = parameters.iter().map(|&t| u64::from(!lies(t))).sum();
+        match others {
+            0 => parameters.len(),
+            _ => parameters.iter().take_while(|&&t| lies(t)).count(),
+        }
+    }
+}
