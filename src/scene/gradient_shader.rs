@@ -3,9 +3,12 @@
 //! Its colour over a region is that at the region's centre as long as the colour map goes straight there.
 //! Where the map turns or jumps within the region, it is the mean ([`super::color_map`]), for which the
 //! parameter is taken to be linear; where the circles of a radial gradient are too small for that, the region is
-//! cut ([`parts`]). A region that lies under or over something that changes with it must not be a mean: there the
-//! caller is told by which lines to cut it ([`cuts`]). Where it turns in every pixel and pixels are many, rows of them have their means from tables ([`spots`]);
-//! whether there are any is a matter of the shape and the picture, not of which of its pixels are asked for.
+//! cut ([`parts`]). Where what lies before or behind a region changes with the gradient, its mean will not do: the
+//! caller is told by which lines to cut it ([`cuts`]).
+//!
+//! Where the map turns in every pixel and pixels are many, rows of them ([`rows`]) have their means from tables
+//! ([`spots`]); whether there are any is a matter of the shape and the picture, not of which of its pixels are asked
+//! for.
 
 mod cuts;
 mod parts;

@@ -1,7 +1,7 @@
 //! Takes a part of a pixel, makes the mean of a gradient's colours there.
 //!
-//! Where the map turns, it is cut into triangles or squares in which the circles of a radial gradient are straight; where
-//! a border beyond which there is no colour runs through it, it is cut there first.
+//! Where the map turns, it is cut into triangles or squares in which the circles of a radial gradient are
+//! straight; where a border beyond which there is no colour runs through it, it is cut there first.
 
 use super::pattern::Local;
 use super::{Chord, GradientShader, CORNERS, MOST_SHARE_OF_LIFT};
