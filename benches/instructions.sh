@@ -61,7 +61,7 @@ count() {
         /^[0-9+*-]/ && NF >= 2 {
             all += $2
             if (fun ~ /^<?toon_raster::(layers|texture|effects|scene::(color_map|gradient_shader|shader))::/) own += $2
-            else if (file ~ /src\/(layers|texture)\.rs$|src\/effects\/|src\/scene\/(color_map|gradient_shader|shader)\.rs$|src\/scene\/gradient_shader\//) inlined += $2
+            else if (file ~ /src\/(layers|texture|effects)(\.rs$|\/)|src\/scene\/(color_map|gradient_shader|shader)\.rs$|src\/scene\/gradient_shader\//) inlined += $2
         }
         END { printf "%d %d %d\n", all, own, inlined }' "$out"
 }

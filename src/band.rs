@@ -231,11 +231,10 @@ impl<C: Coverage> BandRenderer<C> {
     ) {
         let behind = picture.around.background;
         let background = behind.to_rgba8();
-        let pixels = rows.row(row, picture.width as usize);
+        let pixels = &mut rows.row(row, picture.width as usize)[word * 64..];
         for_runs(empty, |from, to| {
             // The picture may end within the word.
-            let (from, to) = (word * 64 + from, (word * 64 + to).min(pixels.len()));
-            if let Some(run) = pixels.get_mut(from..to) {
+            if let Some(run) = pixels.get_mut(from..to.min(pixels.len())) {
                 run.fill(background);
             }
         });

@@ -357,20 +357,11 @@ impl Cel {
         }
     }
 
-    /// Calls `take` with runs of those of a word's pixels, uniform all: where they lie in the row, and all that was
+    /// Calls `take` with runs of those of a word's pixels, uniform all: where they lie in the word, and all that was
     /// painted there.
     #[inline]
-    pub fn for_uniform(
-        &self,
-        (row, word): (usize, usize),
-        pixels: u64,
-        mut take: impl FnMut(usize, usize, Sheet),
-    ) {
-        for_runs(pixels, |a, b| {
-            self.sheets.for_runs((row, word), (a, b), |from, to, sheet| {
-                take(word * 64 + from, word * 64 + to, sheet);
-            });
-        });
+    pub fn for_uniform(&self, word: (usize, usize), pixels: u64, mut take: impl FnMut(usize, usize, Sheet)) {
+        for_runs(pixels, |a, b| self.sheets.for_runs(word, (a, b), &mut take));
     }
 
     /// Some of the pixels of a word, as they are.

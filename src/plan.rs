@@ -157,6 +157,7 @@ impl Planner<'_> {
         for member in scene.clips.iter().flat_map(|clip| &clip.members) {
             self.plan.edges += flatten(&member.geometry);
         }
+        let demands = Demands::new(scene, self.settings);
         for (number, shape) in scene.shapes.iter().enumerate() {
             match &shape.paint {
                 Paint::Raster(raster) => {
@@ -165,7 +166,6 @@ impl Planner<'_> {
                     work = work.max(most - own);
                 }
                 Paint::Gradient(gradient) => {
-                    let demands = Demands::new(scene, self.settings);
                     let shader = GradientShader::new(gradient, &shape.geometry, viewport, demands);
                     self.plan.color_map_bytes += shader.table_bytes();
                 }

@@ -148,8 +148,8 @@ impl Blends {
 
     /// Blends a uniform source, with its opacity, with a list behind it by giving its entries other colours;
     /// `false`, and nothing is done, unless the list is short, plain, and covers the pixel.
-    pub fn repaint<P: Part>(&mut self, source: Sheet, behind: Content, entries: &mut [Entry<P>]) -> bool {
-        let mut places = [0; MOST_IN_BOTH];
+    pub fn in_place<P: Part>(&mut self, source: Sheet, behind: Content, entries: &mut [Entry<P>]) -> bool {
+        let mut places = [0; MOST_IN_PLACE];
         let (mut next, mut count) = (behind.first, 0);
         while let Some(entry) = entries.get(next as usize) {
             let covers = entry.next == NO_ENTRY && entry.part == P::WHOLE;
@@ -197,6 +197,9 @@ impl Blends {
 fn of_group(sheet: Sheet, opacity: f32) -> Sheet {
     Sheet::CLEAR.over(sheet).faded(opacity)
 }
+
+/// Entries of a list that is blended in place.
+const MOST_IN_PLACE: usize = 8;
 
 /// Entries of a list of what lies in both of two.
 const MOST_IN_BOTH: usize = 8;

@@ -25,12 +25,10 @@ impl Cel {
         for (row, word) in mask.words(BAND_ROWS as usize) {
             self.finished.row_mut(row)[word] |= !mask.touched(row, word);
             let (_, uniform, _) = mask.states(row, word);
-            for_runs(uniform, |a, b| {
-                mask.sheets.for_runs((row, word), (a, b), |from, to, sheet| {
-                    if shown(kind, sheet) <= 0.0 {
-                        self.finished.row_mut(row)[word] |= word_mask(from, to);
-                    }
-                });
+            mask.for_uniform((row, word), uniform, |from, to, sheet| {
+                if shown(kind, sheet) <= 0.0 {
+                    self.finished.row_mut(row)[word] |= word_mask(from, to);
+                }
             });
         }
     }
@@ -40,10 +38,8 @@ impl Cel {
         let opacity = group.opacity;
         for (row, word) in self.words(rows) {
             let (_, uniform, listed) = group.states(row, word);
-            for_runs(uniform & !self.finished.row(row)[word], |a, b| {
-                group.sheets.for_runs((row, word), (a, b), |from, to, sheet| {
-                    self.take_sheet((row, word), (from, to), sheet.faded(opacity), entries);
-                });
+            group.for_uniform((row, word), uniform & !self.finished.row(row)[word], |from, to, sheet| {
+                self.take_sheet((row, word), (from, to), sheet.faded(opacity), entries);
             });
             self.for_open((row, word), listed, |cel, x| {
                 cel.append_group(x, Composite::faded(opacity), group, None, entries);
@@ -64,12 +60,11 @@ impl Cel {
         for (row, word) in self.words(rows) {
             let touched = mask.touched(row, word) & content.touched(row, word);
             let listed = touched & (mask.listed.row(row)[word] | content.listed.row(row)[word]);
-            for_runs(touched & !listed & !self.finished.row(row)[word], |a, b| {
-                mask.sheets.for_runs((row, word), (a, b), |a, b, mask| {
-                    let opacity = opacity * shown(kind, mask);
-                    content.sheets.for_runs((row, word), (a, b), |from, to, sheet| {
-                        self.take_sheet((row, word), (from, to), sheet.faded(opacity), entries);
-                    });
+            let uniform = touched & !listed & !self.finished.row(row)[word];
+            mask.for_uniform((row, word), uniform, |a, b, mask| {
+                let opacity = opacity * shown(kind, mask);
+                content.sheets.for_runs((row, word), (a, b), |from, to, sheet| {
+                    self.take_sheet((row, word), (from, to), sheet.faded(opacity), entries);
                 });
             });
             self.for_open((row, word), listed, |cel, x| {

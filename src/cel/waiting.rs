@@ -112,15 +112,11 @@ impl Cel {
             let source = source.faded(group.opacity);
             waiting.push_run(Run { row, from: word * 64 + from, to: word * 64 + to, before, source });
         };
-        for_runs(pixels & !covered, |a, b| {
-            group.sheets.for_runs((row, word), (a, b), |from, to, source| {
-                push(from, to, Sheet::CLEAR, source);
-            });
+        group.for_uniform((row, word), pixels & !covered, |from, to, source| {
+            push(from, to, Sheet::CLEAR, source);
         });
-        for_runs(pixels & covered, |a, b| {
-            group.sheets.for_runs((row, word), (a, b), |a, b, source| {
-                sheets.for_runs((row, word), (a, b), |from, to, before| push(from, to, before, source));
-            });
+        group.for_uniform((row, word), pixels & covered, |a, b, source| {
+            sheets.for_runs((row, word), (a, b), |from, to, before| push(from, to, before, source));
         });
     }
 
@@ -166,7 +162,7 @@ impl Cel {
                 let at = (row, word * 64 + x);
                 let behind = self.content(at.0, at.1);
                 // So it is with most pixels where many groups are blended.
-                if nothing_before && blends.repaint(source, behind, entries) {
+                if nothing_before && blends.in_place(source, behind, entries) {
                     return;
                 }
                 let blended = blends.before_list(source, behind, entries);

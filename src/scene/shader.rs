@@ -79,15 +79,16 @@ impl Shader<'_> {
     #[inline]
     pub fn row(&self, x: usize, y: u32, count: usize, mut put: impl FnMut(usize, Sheet)) -> u64 {
         match self {
-            Shader::Gradient(gradient) => return gradient.row(x, y, count, put),
+            Shader::Gradient(gradient) => gradient.row(x, y, count, put),
             Shader::Layer { layer, by, .. } => {
                 layer.row(x as i32 - by.0, y as i32 - by.1, count, |i, pixel| put(i, sheet_of(pixel)));
+                0
             }
             Shader::Tile { layer, .. } => {
                 repeated(layer, x as i32, y as i32, count, |i, pixel| put(i, sheet_of(pixel)));
+                0
             }
         }
-        0
     }
 
     /// Adds chords between which the colours change little in the pixel around a point.

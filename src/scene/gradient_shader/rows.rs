@@ -5,6 +5,7 @@ use super::stretch::{self, Stretch};
 use super::{sheet_of, GradientShader};
 use crate::scene::paint::Sheet;
 use kurbo::Point;
+use std::cell::Cell;
 
 /// Some of a row's colours.
 enum Span<'a> {
@@ -21,20 +22,17 @@ impl GradientShader<'_> {
     /// for those for which the mean over the pixel will not do. These it returns, a bit for each.
     #[inline]
     pub fn row(&self, x: usize, y: u32, count: usize, mut put: impl FnMut(usize, Sheet)) -> u64 {
-        let mut uneven = 0;
-        let is_uneven = |i: usize| self.is_uneven(Point::new((x + i) as f64 + 0.5, f64::from(y) + 0.5));
-        let mut of_pixels = 0;
-        let skip = |i: usize| {
-            let skip = is_uneven(i);
-            of_pixels |= u64::from(skip) << i;
-            skip
+        let uneven = Cell::new(0);
+        let is_uneven = |i: usize| {
+            let is_uneven = self.is_uneven(Point::new((x + i) as f64 + 0.5, f64::from(y) + 0.5));
+            uneven.set(uneven.get() | u64::from(is_uneven) << i);
+            is_uneven
         };
-        self.spans(x, y, count, skip, |first, span| match span {
+        self.spans(x, y, count, is_uneven, |first, span| match span {
             Span::Straight(stretch, parameters) if self.may_be_uneven(stretch) => {
                 for (i, &t) in parameters.iter().enumerate() {
-                    match is_uneven(first + i) {
-                        true => uneven |= 1 << (first + i),
-                        false => put(first + i, stretch.at(t)),
+                    if !is_uneven(first + i) {
+                        put(first + i, stretch.at(t));
                     }
                 }
             }
@@ -47,7 +45,7 @@ impl GradientShader<'_> {
                 colors.iter().enumerate().for_each(|(i, color)| put(first + i, sheet(color)));
             }
         });
-        uneven | of_pixels
+        uneven.get()
     }
 
     /// The same in bytes, of a gradient that hides what lies behind.
