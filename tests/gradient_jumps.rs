@@ -158,6 +158,7 @@ fn the_border_beyond_which_a_gradient_has_no_colour_is_an_edge() {
         assert_true(&format!("{}{WHOLE}", gradient(fx, fy, fr)), false, 1.0);
         let over = format!("{}{PAPER}<path d='M0 9L24 15V24H0z' fill='#07a'/>{WHOLE}", gradient(fx, fy, fr));
         assert_true(&over, false, 1.0);
+        assert_true(&over, true, 1.5);
     }
 }
 

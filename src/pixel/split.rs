@@ -137,10 +137,14 @@ impl Integrator {
     }
 
     /// Adds lines, by their ends in fixed point, numbered as a fragment is: a region is known once none of them
-    /// runs through it.
+    /// runs through it. What has no length, or no end, is left out.
     pub fn add_lines(&mut self, lines: impl Iterator<Item = [(f64, f64); 2]>) {
         let (chords, steps) = (self.chords.len() as u32, self.steps.len() as u32);
-        self.chords.extend(lines.map(|[(x0, y0), (x1, y1)]| Chord {
+        let is_line = |&[(x0, y0), (x1, y1)]: &[(f64, f64); 2]| {
+            let length = (x1 - x0).hypot(y1 - y0);
+            length.is_finite() && length > 0.0
+        };
+        self.chords.extend(lines.filter(is_line).map(|[(x0, y0), (x1, y1)]| Chord {
             x0,
             y0,
             x1,

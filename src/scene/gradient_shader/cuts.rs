@@ -91,7 +91,8 @@ impl Ellipse {
         for (i, &from) in ends.iter().enumerate() {
             let to = ends.get(i + 1).copied().unwrap_or(ends[0] + TAU);
             let by = self.at(0.5 * (from + to)) - centre;
-            if by.x.abs() <= 0.5 && by.y.abs() <= 0.5 {
+            // Where it touches a side two ends are one.
+            if from < to && by.x.abs() <= 0.5 && by.y.abs() <= 0.5 {
                 self.arc(from, to, chords);
             }
         }
