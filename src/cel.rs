@@ -22,6 +22,7 @@ use crate::bitmap::{for_bits, for_runs, word_masks, Bitmap};
 use crate::coverage::Part;
 use crate::edges::{Bounds, BAND_ROWS};
 use crate::pixel::resolve::NEGLIGIBLE;
+use crate::scene::gradient_shader::Unpainted;
 use crate::scene::paint::Sheet;
 use crate::scene::shader::Shader;
 use crate::zlist::{Entry, Head, Kind, NO_ENTRY};
@@ -232,9 +233,9 @@ impl Cel {
             Brush::Gradient { shader, .. } => {
                 let sheets = self.sheets.each((row, word), (a, b));
                 let put = |i: usize, sheet| sheets[i] = sheet;
-                let uneven = shader.row(word * 64 + a, top + row as u32, b - a, put) << a;
-                self.covered.row_mut(row)[word] &= !uneven;
-                self.list_whole(row, (word, uneven), brush, entries);
+                let Unpainted { uneven, clear } = shader.row(word * 64 + a, top + row as u32, b - a, put);
+                self.covered.row_mut(row)[word] &= !((uneven | clear) << a);
+                self.list_whole(row, (word, uneven << a), brush, entries);
             }
         });
     }
@@ -274,8 +275,8 @@ impl Cel {
                     sheets[i] = sheets[i].over(behind);
                     saturated |= u64::from(sheets[i].through() < NEGLIGIBLE) << (a + i);
                 };
-                let uneven = shader.row(word * 64 + a, top + row as u32, b - a, put) << a;
-                self.list_whole(row, (word, uneven), brush, entries);
+                let Unpainted { uneven, .. } = shader.row(word * 64 + a, top + row as u32, b - a, put);
+                self.list_whole(row, (word, uneven << a), brush, entries);
             }
         });
         let start = row * self.width + word * 64;

@@ -10,6 +10,7 @@
 //! ([`spots`]); whether there are any is a matter of the shape and the picture, not of which of its pixels are asked
 //! for.
 
+mod circles;
 mod cuts;
 mod parts;
 mod pattern;
@@ -18,6 +19,7 @@ mod spots;
 mod stretch;
 
 pub(crate) use cuts::Chord;
+pub(crate) use rows::Unpainted;
 
 use super::color_map::ColorMap;
 use super::paint::{Gradient, Sheet, Spread, Stop};
@@ -75,8 +77,8 @@ pub(crate) struct GradientShader<'a> {
     ends_at_borders: bool,
     /// The parameter changes by no more between the centre of the spot and its corners, anywhere.
     farthest: f64,
-    /// Below it the circles of a radial gradient may be too small for the colour in the middle of a pixel to be the
-    /// mean, even where the map goes straight.
+    /// Below it the circles of a radial gradient, if they lie within one another, may be too small for the colour in
+    /// the middle of a pixel to be the mean, even where the map goes straight.
     apex: f64,
     /// At least the change of any component with the parameter, but for jumps.
     steepness: f64,
@@ -145,8 +147,7 @@ impl<'a> GradientShader<'a> {
         let change = if steepness > 0.0 { steepness * 2.0 * farthest } else { 0.0 };
         let apex = match &pattern {
             Pattern::Cone(cone) => cone.straight_from(MOST_LIFT / steepness),
-            Pattern::Linear { .. } => f64::NEG_INFINITY,
-            Pattern::Circles(_) => f64::INFINITY,
+            Pattern::Linear { .. } | Pattern::Circles(_) => f64::NEG_INFINITY,
         };
         let turns_everywhere = farthest.is_finite() && stretches.longest() < 2.0 * farthest * spot_scale;
         // Other spots are means of what lies around a pixel.
@@ -212,11 +213,11 @@ impl<'a> GradientShader<'a> {
         is_even.then(|| stretch.at(local.t))
     }
 
-    /// Is there a pixel on a stretch whose colours differ so much that it matters?
+    /// May there be a pixel on a stretch whose colours differ so much that it matters, if the parameter changes by
+    /// no more than `far` to either side?
     #[inline]
-    fn may_be_uneven(&self, stretch: &Stretch) -> bool {
-        stretch
-            .changes(self.mattering.clone(), NEARLY_EVEN.map(|most| f64::from(most) / (2.0 * self.farthest)))
+    fn may_be_uneven(&self, stretch: &Stretch, far: f64) -> bool {
+        stretch.changes(self.mattering.clone(), NEARLY_EVEN.map(|most| f64::from(most) / (2.0 * far)))
     }
 
     /// Do the colours in the pixel around a point differ so much that it matters?
@@ -294,10 +295,12 @@ impl<'a> GradientShader<'a> {
     /// Is the colour in the middle of a pixel the mean, where the map goes straight?
     #[inline]
     fn keeps_mean(&self, local: &Local) -> bool {
-        local.t >= self.apex
-            || matches!(self.pattern, Pattern::Circles(_))
-                && self.steepness * local.lift().abs() <= MOST_LIFT
-                && bends_little(local)
+        match self.pattern {
+            Pattern::Linear { .. } | Pattern::Cone(_) => local.t >= self.apex,
+            Pattern::Circles(_) => {
+                self.steepness * local.lift().abs() <= MOST_LIFT && bends_little(local)
+            }
+        }
     }
 
     /// May lines of one colour be taken for straight where the map turns, in a region that is such a share of a

@@ -1,7 +1,7 @@
 //! Takes a paint that differs from place to place, at a picture's scale, makes colours: of a row of
 //! pixels, of one pixel, or of a part of one.
 
-use super::gradient_shader::{Chord, GradientShader};
+use super::gradient_shader::{Chord, GradientShader, Unpainted};
 use super::paint::Sheet;
 use crate::effects::layer::{Layer, Pixel, CLEAR};
 use kurbo::Point;
@@ -75,18 +75,18 @@ impl Shader<'_> {
     }
 
     /// Gives `put` the colours of up to 64 pixels of row `y` from column `x` on, each with its place among them, but
-    /// for those for which the mean over the pixel will not do. These it returns, a bit for each.
+    /// for those that it returns.
     #[inline]
-    pub fn row(&self, x: usize, y: u32, count: usize, mut put: impl FnMut(usize, Sheet)) -> u64 {
+    pub fn row(&self, x: usize, y: u32, count: usize, mut put: impl FnMut(usize, Sheet)) -> Unpainted {
         match self {
             Shader::Gradient(gradient) => gradient.row(x, y, count, put),
             Shader::Layer { layer, by, .. } => {
                 layer.row(x as i32 - by.0, y as i32 - by.1, count, |i, pixel| put(i, sheet_of(pixel)));
-                0
+                Unpainted::default()
             }
             Shader::Tile { layer, .. } => {
                 repeated(layer, x as i32, y as i32, count, |i, pixel| put(i, sheet_of(pixel)));
-                0
+                Unpainted::default()
             }
         }
     }

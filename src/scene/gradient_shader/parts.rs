@@ -20,6 +20,10 @@ pub(super) const MOST_HALVINGS: u32 = 5;
 /// a square's lift.
 const MOST_SHARE_OF_BEND: f64 = 6.0 * MOST_SHARE_OF_LIFT;
 
+/// What the mean of the parameter is off by next to a border, where it goes as the root of the distance, is an eighth of
+/// its bend; twice that.
+const MOST_SHARE_OF_ROOT: f64 = 0.25;
+
 /// What a part of a pixel may be off by, of which there are some dozens.
 const MOST_OF_PARTS: f64 = 0.01 / 255.0;
 
@@ -126,17 +130,21 @@ impl GradientShader<'_> {
         sum
     }
 
-    /// The mean over a triangle on which the map goes straight and the parameter bends little, or which does not count
-    /// for more.
+    /// The mean over a triangle on which the map goes straight and the parameter bends little, or where neither does
+    /// much.
     fn even_on(&self, local: &Local, centre: Point, corners: &[Point; 3]) -> Option<[f32; 4]> {
         let most = |of: &dyn Fn(Vec2) -> f64| corners.iter().map(|&p| of(p - centre)).fold(0.0, f64::max);
         let reach = most(&|by| local.along.dot(by).abs());
         let bent = most(&|by| 0.5 * local.bend.abs() * local.across.dot(by).powi(2));
         let (stretch, far) = (self.stretches.around(local.t), reach + bent);
-        let most_off = (self.jump + self.steepness * far) * area_of(corners).abs();
-        let goes_straight = bent <= MOST_SHARE_OF_BEND * reach && stretch.holds(local.t - far, local.t + far);
+        let goes_straight = stretch.holds(local.t - far, local.t + far);
+        let most_off = match goes_straight {
+            true if bent <= MOST_SHARE_OF_BEND * reach => 0.0,
+            true => MOST_SHARE_OF_ROOT * stretch.steepness() * bent,
+            false => self.jump + self.steepness * far,
+        };
         let lifts = corners.iter().map(|&p| local.across.dot(p - centre).powi(2)).sum::<f64>();
-        (goes_straight || most_off <= MOST_OF_PARTS)
+        (most_off * area_of(corners).abs() <= MOST_OF_PARTS)
             .then(|| self.color_of(stretch.at(local.t + local.bend * lifts / 24.0)))
     }
 

@@ -6,6 +6,7 @@
 //! t = t₀ + h·v + √(vᵀ M v). So it is convex, its slope is h + M v / √(vᵀ M v), and its second derivative, which is
 //! 0 along v, is det M / √(vᵀ M v)³ times (v turned by a right angle) twice.
 
+use super::circles::Circles;
 use super::CORNERS;
 use crate::scene::paint::GradientShape;
 use kurbo::{Affine, Point, Vec2};
@@ -36,7 +37,7 @@ pub(super) struct Local {
 
 impl Local {
     #[inline]
-    fn on_plane(t: f64, along: Vec2) -> Local {
+    pub fn on_plane(t: f64, along: Vec2) -> Local {
         Local { t, along, across: Vec2::ZERO, bend: 0.0 }
     }
 
@@ -51,6 +52,17 @@ impl Local {
     pub fn lift(&self) -> f64 {
         self.bend * self.across.hypot2() / 24.0
     }
+}
+
+/// What pixels of a row have in common, and how many.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Run {
+    /// They have parameters, which change by no more than `far` between the centre of a pixel's spot and its corners.
+    Colored { count: usize, far: f64 },
+    /// No place in them has a parameter.
+    Clear { count: usize },
+    /// Each is to be looked at by itself.
+    Mixed { count: usize },
 }
 
 /// Pixels of a row that are looked up in tables at a time.
@@ -127,7 +139,7 @@ impl Pattern {
                 Some((local.t - local.reach(), corners.into_iter().fold(local.t, f64::max)))
             }
             Pattern::Circles(circles) => {
-                let has_any = |by: Vec2| circles.circle(circles.to_plane * (centre + by)).is_some();
+                let has_any = |by: Vec2| circles.parameter(centre + by).is_some();
                 let local = circles.local(centre);
                 if local.is_none() && !CORNERS.into_iter().any(has_any) {
                     return None;
@@ -139,10 +151,9 @@ impl Pattern {
                 const SIDE: usize = 5;
                 let place = |i: usize| i as f64 / (SIDE - 1) as f64 - 0.5;
                 let places = (0..SIDE * SIDE).map(|i| Vec2::new(place(i % SIDE), place(i / SIDE)));
-                let parameters = places.filter_map(|by| circles.circle(circles.to_plane * (centre + by)));
+                let parameters = places.filter_map(|by| circles.parameter(centre + by));
                 let ends = (f64::INFINITY, f64::NEG_INFINITY);
-                let (least, most) =
-                    parameters.fold(ends, |(least, most), (t, _)| (least.min(t), most.max(t)));
+                let (least, most) = parameters.fold(ends, |(least, most), t| (least.min(t), most.max(t)));
                 let margin = 0.5 * (most - least);
                 (least <= most).then_some((least - margin, most + margin))
             }
@@ -153,26 +164,28 @@ impl Pattern {
     pub fn borders(&self) -> &[[Point; 2]] {
         match self {
             Pattern::Linear { .. } | Pattern::Cone(_) => &[],
-            Pattern::Circles(circles) => &circles.borders,
+            Pattern::Circles(circles) => circles.borders(),
         }
     }
 
-    /// The parameters of pixels of a row from a centre on; `false` if not every place has one.
+    /// The parameters of pixels of a row from a centre on, as many as have it in common what they are; with spots of
+    /// side `side`. Circles that do not lie within one another may lift it by `most_lift`.
     #[inline]
-    pub fn row(&self, first: Point, parameters: &mut [f64]) -> bool {
+    pub fn row(&self, first: Point, (side, most_lift): (f64, f64), parameters: &mut [f64]) -> Run {
+        let count = parameters.len();
         match self {
             Pattern::Linear { start, along } => {
                 let start = along.y * first.y + start;
                 for (i, t) in parameters.iter_mut().enumerate() {
                     *t = along.x * (first.x + f64::from(i as u32)) + start;
                 }
-                true
+                Run::Colored { count, far: side * self.farthest() }
             }
             Pattern::Cone(cone) => {
                 cone.row(first, parameters);
-                true
+                Run::Colored { count, far: side * cone.farthest }
             }
-            Pattern::Circles(_) => false,
+            Pattern::Circles(circles) => circles.row(first, (side, most_lift), parameters),
         }
     }
 
@@ -381,93 +394,4 @@ impl Cone {
             *t = start + self.linear.x * x + (self.scale * u * u + rest).sqrt();
         }
     }
-}
-
-/// The circle (centre, radius) at parameter 0, and the steps from it to the one at 1, in the gradient's plane.
-#[derive(Clone, Debug)]
-pub(super) struct Circles {
-    to_plane: Affine,
-    start: (f64, f64, f64),
-    step: (f64, f64, f64),
-    /// The quadratic coefficient of the parameter's equation, and its inverse.
-    quadratic: (f64, f64),
-    /// See [`Pattern::borders`].
-    borders: Vec<[Point; 2]>,
-}
-
-impl Circles {
-    fn new(start: (f64, f64, f64), step: (f64, f64, f64), to_plane: Affine) -> Circles {
-        let (dx, dy, dr) = step;
-        let quadratic = dx * dx + dy * dy - dr * dr;
-        let borders = borders(start, step, to_plane.inverse());
-        Circles { to_plane, start, step, quadratic: (quadratic, 1.0 / quadratic), borders }
-    }
-
-    /// The greatest t with a radius of at least 0 whose circle passes through the point (SVG 2, 14.2.3; HTML
-    /// canvas).
-    fn local(&self, p: Point) -> Option<Local> {
-        let [a, b, c, d, ..] = self.to_plane.as_coeffs();
-        let ((x0, y0, r0), (dx, dy, dr)) = (self.start, self.step);
-        let in_plane = self.to_plane * p;
-        let (t, root) = self.circle(in_plane)?;
-        // With u from the circle's centre to the point and the circle's radius R, |u| = R: differentiated,
-        // the parameter's slope is u / root.
-        let u = Vec2::new(in_plane.x - x0 - t * dx, in_plane.y - y0 - t * dy);
-        let along = Vec2::new(u.x * a + u.y * b, u.x * c + u.y * d) / root;
-        // Along the circle it stays: it bends there by the slope over the radius. It does not along the ray from
-        // where the circles have no radius, if that is anywhere.
-        let ray = Vec2::new((in_plane.x - x0) * dr + r0 * dx, (in_plane.y - y0) * dr + r0 * dy);
-        let across = Vec2::new(ray.x * b - ray.y * a, ray.x * d - ray.y * c) * u.hypot() / ray.dot(u);
-        if along.is_finite() && across.is_finite() {
-            return Some(Local { t, along, across, bend: 1.0 / root });
-        }
-        // In the focal point, or on a border, the slope is nothing to go by.
-        let step = |by: Vec2| 2.0 * (self.circle(self.to_plane * (p + by)).map_or(t, |(t, _)| t) - t);
-        let along = Vec2::new(step(Vec2::new(0.5, 0.0)), step(Vec2::new(0.0, 0.5)));
-        Some(Local::on_plane(t, along))
-    }
-
-    /// The parameter of the circle through a point of the gradient's plane, and what its slope is to be
-    /// divided by.
-    fn circle(&self, p: Point) -> Option<(f64, f64)> {
-        // |p - start - t (dx, dy)| = r0 + t dr
-        let ((x0, y0, r0), (dx, dy, dr)) = (self.start, self.step);
-        let (px, py) = (p.x - x0, p.y - y0);
-        let (a, inverse) = self.quadratic;
-        let half_b = px * dx + py * dy + r0 * dr;
-        let c = px * px + py * py - r0 * r0;
-        let valid = |t: f64, slope: f64| (t.is_finite() && r0 + t * dr >= 0.0).then_some((t, slope));
-        if a.abs() <= 1e-12 * dr * dr {
-            return valid(c / (2.0 * half_b), half_b);
-        }
-        let square = half_b * half_b - a * c;
-        if square < 0.0 {
-            return None;
-        }
-        // The greater of the two first: the one with the root's sign that of a.
-        let root = square.sqrt().copysign(a);
-        valid((half_b + root) * inverse, -root).or_else(|| valid((half_b - root) * inverse, root))
-    }
-}
-
-/// The lines that touch all circles, if these do not nest, in pixels.
-fn borders((x, y, r): (f64, f64, f64), (dx, dy, dr): (f64, f64, f64), to_pixels: Affine) -> Vec<[Point; 2]> {
-    let distance = dx.hypot(dy);
-    let sine = dr / distance;
-    // They do not if they lie within one another, or are around one centre.
-    if sine.is_nan() || sine.abs() > 1.0 + 1e-9 {
-        return Vec::new();
-    }
-    // A unit normal n touches the circle at t where n . t (dx, dy) = t dr: the same for all t.
-    let (ahead, aside) = (Vec2::new(dx, dy) / distance, Vec2::new(-dy, dx) / distance);
-    let cosine = (1.0 - sine * sine).max(0.0).sqrt();
-    let line = |cosine: f64| {
-        let normal = sine * ahead + cosine * aside;
-        let touched = Point::new(x, y) - r * normal;
-        let [from, to] =
-            [touched, touched + distance * Vec2::new(-normal.y, normal.x)].map(|p| to_pixels * p);
-        [from, from + (to - from) / (to - from).hypot()]
-    };
-    let both = [line(cosine), line(-cosine)];
-    both.into_iter().filter(|ends| ends.iter().all(|end| end.is_finite())).collect()
 }

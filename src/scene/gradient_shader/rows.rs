@@ -1,27 +1,40 @@
 //! Takes pixels of a row, makes their colours: many at a time where the map goes straight or there are tables.
 
-use super::pattern::{Aims, AT_A_TIME};
+use super::pattern::{Aims, Run, AT_A_TIME};
 use super::stretch::{self, Stretch};
-use super::{sheet_of, GradientShader};
+use super::{sheet_of, GradientShader, MOST_LIFT};
+use crate::bitmap::word_mask;
 use crate::scene::paint::Sheet;
 use kurbo::Point;
 use std::cell::Cell;
 
 /// Some of a row's colours.
 enum Span<'a> {
-    /// Of pixels with these parameters, which lie on a stretch.
-    Straight(&'a Stretch, &'a [f64]),
+    /// Of pixels with these parameters, which lie on a stretch, each with all that are so far to either side.
+    Straight(&'a Stretch, &'a [f64], f64),
+    /// Of so many pixels that have none.
+    Clear(usize),
     /// Of one pixel.
     Pixel(Sheet),
     /// Of these pixels, premultiplied, 0 ..= 255.
     Tabled(&'a [[f32; 4]]),
 }
 
+/// Pixels of which a row of colours has none, a bit for each.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Unpainted {
+    /// The mean over the pixel will not do.
+    pub uneven: u64,
+    /// The paint has no colour there.
+    pub clear: u64,
+}
+
 impl GradientShader<'_> {
     /// Gives `put` the colours of up to 64 pixels of row `y` from column `x` on, each with its place among them, but
-    /// for those for which the mean over the pixel will not do. These it returns, a bit for each.
+    /// for those that it returns.
     #[inline]
-    pub fn row(&self, x: usize, y: u32, count: usize, mut put: impl FnMut(usize, Sheet)) -> u64 {
+    pub fn row(&self, x: usize, y: u32, count: usize, mut put: impl FnMut(usize, Sheet)) -> Unpainted {
+        let mut clear = 0;
         let uneven = Cell::new(0);
         let is_uneven = |i: usize| {
             let is_uneven = self.is_uneven(Point::new((x + i) as f64 + 0.5, f64::from(y) + 0.5));
@@ -29,23 +42,24 @@ impl GradientShader<'_> {
             is_uneven
         };
         self.spans(x, y, count, is_uneven, |first, span| match span {
-            Span::Straight(stretch, parameters) if self.may_be_uneven(stretch) => {
+            Span::Straight(stretch, parameters, far) if self.may_be_uneven(stretch, far) => {
                 for (i, &t) in parameters.iter().enumerate() {
                     if !is_uneven(first + i) {
                         put(first + i, stretch.at(t));
                     }
                 }
             }
-            Span::Straight(stretch, parameters) => {
+            Span::Straight(stretch, parameters, _) => {
                 parameters.iter().enumerate().for_each(|(i, &t)| put(first + i, stretch.at(t)));
             }
+            Span::Clear(count) => clear |= word_mask(first, first + count),
             Span::Pixel(sheet) => put(first, sheet),
             Span::Tabled(colors) => {
                 let sheet = |color: &[f32; 4]| sheet_of(color.map(|v| v * (1.0 / 255.0)));
                 colors.iter().enumerate().for_each(|(i, color)| put(first + i, sheet(color)));
             }
         });
-        uneven.get()
+        Unpainted { uneven: uneven.get(), clear }
     }
 
     /// The same in bytes, of a gradient that hides what lies behind.
@@ -56,9 +70,10 @@ impl GradientShader<'_> {
             pixels.len(),
             |_| false,
             |first, span| match span {
-                Span::Straight(stretch, parameters) => {
+                Span::Straight(stretch, parameters, _) => {
                     stretch.write(parameters, &mut pixels[first..first + parameters.len()]);
                 }
+                Span::Clear(_) => unreachable!("it has colour everywhere"),
                 Span::Pixel(sheet) => pixels[first] = stretch::opaque_bytes(sheet),
                 Span::Tabled(colors) => {
                     let pixels = &mut pixels[first..first + colors.len()];
@@ -103,21 +118,31 @@ impl GradientShader<'_> {
         }
         let mut stretch = None;
         let mut parameters = [0.0; AT_A_TIME];
-        for first in (0..count).step_by(AT_A_TIME) {
+        let mut first = 0;
+        while first < count {
             let some = &mut parameters[..(count - first).min(AT_A_TIME)];
-            let has_all = self.pattern.row(centre(first), some);
+            let run = self.pattern.row(centre(first), (self.spot_scale, MOST_LIFT / self.steepness), some);
+            let (some, far) = match run {
+                Run::Clear { count } => {
+                    take(first, Span::Clear(count));
+                    first += count;
+                    continue;
+                }
+                Run::Colored { count, far } => (&some[..count], far),
+                Run::Mixed { count } => (&some[..count], f64::INFINITY),
+            };
             let mut done = 0;
             while let Some(&t) = some.get(done) {
                 // As far as the colours go straight.
                 let mut straight = 0;
-                if has_all {
+                if far.is_finite() {
                     let stretch = stretch.get_or_insert_with(|| self.stretches.around(t));
                     if !stretch.holds(t, t) {
                         *stretch = self.stretches.around(t);
                     }
-                    straight = self.straight_ones(stretch, &some[done..]);
+                    straight = self.straight_ones(stretch, &some[done..], far);
                     if straight > 0 {
-                        take(first + done, Span::Straight(stretch, &some[done..done + straight]));
+                        take(first + done, Span::Straight(stretch, &some[done..done + straight], far));
                     }
                 }
                 if straight == 0 && !skip(first + done) {
@@ -125,13 +150,14 @@ impl GradientShader<'_> {
                 }
                 done += straight.max(1);
             }
+            first += some.len();
         }
     }
 
-    /// How many parameters from the first on lie so far within a stretch that pixels do.
+    /// How many parameters from the first on lie on a stretch with all that are so far to either side.
     #[inline]
-    fn straight_ones(&self, stretch: &Stretch, parameters: &[f64]) -> usize {
-        let (from, to) = stretch.middle(self.farthest);
+    fn straight_ones(&self, stretch: &Stretch, parameters: &[f64], far: f64) -> usize {
+        let (from, to) = stretch.middle(far);
         let from = from.max(self.apex);
         let lies = |t: f64| (from <= t) & (t <= to);
         // Mostly it is all or none.
