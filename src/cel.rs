@@ -22,7 +22,7 @@ use crate::bitmap::{for_bits, for_runs, word_masks, Bitmap};
 use crate::coverage::Part;
 use crate::edges::{Bounds, BAND_ROWS};
 use crate::pixel::resolve::NEGLIGIBLE;
-use crate::scene::gradient_shader::Unpainted;
+use crate::scene::gradient_shader::Special;
 use crate::scene::paint::Sheet;
 use crate::scene::shader::Shader;
 use crate::zlist::{Entry, Head, Kind, NO_ENTRY};
@@ -188,7 +188,10 @@ impl Cel {
             if fresh != 0 {
                 match &mut picture {
                     Some(picture) if opaque => paint_fresh(picture, row, self.width, (word, fresh), brush),
-                    _ => self.start_sheets(row, top, (word, fresh), brush, entries),
+                    _ => {
+                        let picture = picture.as_deref_mut();
+                        done |= self.start_sheets(row, top, (word, fresh), brush, picture, entries);
+                    }
                 }
             }
             if ends_lists && touched != 0 {
@@ -218,26 +221,33 @@ impl Cel {
         self.to_resolve.pop()
     }
 
-    /// The first paint on some pixels of a word.
+    /// The first paint on some pixels of a word; tells which of them are done with it.
     fn start_sheets<P: Part>(
         &mut self,
         row: usize,
         top: u32,
         (word, fresh): (usize, u64),
         brush: &Brush,
+        mut picture: Option<&mut Rows>,
         entries: &mut Vec<Entry<P>>,
-    ) {
+    ) -> u64 {
         self.covered.row_mut(row)[word] |= fresh;
+        let mut done = 0;
         for_runs(fresh, |a, b| match brush {
             Brush::Flat(sheet, _) => self.sheets.fill((row, word), (a, b), *sheet),
             Brush::Gradient { shader, .. } => {
-                let sheets = self.sheets.each((row, word), (a, b));
+                let sheets = self.sheets.start_each((row, word), (a, b));
                 let put = |i: usize, sheet| sheets[i] = sheet;
-                let Unpainted { uneven, clear } = shader.row(word * 64 + a, top + row as u32, b - a, put);
-                self.covered.row_mut(row)[word] &= !((uneven | clear) << a);
+                let x = word * 64 + a;
+                let picture = picture.as_mut().map(|rows| &mut rows.row(row, self.width)[x..]);
+                let Special { uneven, clear, finished } =
+                    shader.row((x, top + row as u32), b - a, picture, put);
+                self.covered.row_mut(row)[word] &= !((uneven | clear | finished) << a);
                 self.list_whole(row, (word, uneven << a), brush, entries);
+                done |= finished << a;
             }
         });
+        done
     }
 
     /// Starts lists on pixels of a word with paint of which the mean over a pixel will not do.
@@ -275,7 +285,8 @@ impl Cel {
                     sheets[i] = sheets[i].over(behind);
                     saturated |= u64::from(sheets[i].through() < NEGLIGIBLE) << (a + i);
                 };
-                let Unpainted { uneven, .. } = shader.row(word * 64 + a, top + row as u32, b - a, put);
+                let at = (word * 64 + a, top + row as u32);
+                let Special { uneven, .. } = shader.row(at, b - a, None, put);
                 self.list_whole(row, (word, uneven << a), brush, entries);
             }
         });

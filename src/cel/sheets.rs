@@ -106,6 +106,14 @@ impl Sheets {
         &mut sheets[a..b]
     }
 
+    /// The same for pixels that had none before.
+    pub fn start_each(&mut self, word: (usize, usize), (a, b): (usize, usize)) -> &mut [Sheet] {
+        let (starts, sheets) = self.word(word);
+        start_at(starts, sheets, b);
+        *starts |= word_mask(a, b);
+        &mut sheets[a..b]
+    }
+
     #[inline]
     fn word(&mut self, (row, word): (usize, usize)) -> (&mut u64, &mut [Sheet; 64]) {
         let at = row * self.starts.words() + word;

@@ -19,7 +19,7 @@ mod spots;
 mod stretch;
 
 pub(crate) use cuts::Chord;
-pub(crate) use rows::Unpainted;
+pub(crate) use rows::Special;
 
 use super::color_map::ColorMap;
 use super::paint::{Gradient, Sheet, Spread, Stop};

@@ -1,7 +1,7 @@
 //! Takes a paint that differs from place to place, at a picture's scale, makes colours: of a row of
 //! pixels, of one pixel, or of a part of one.
 
-use super::gradient_shader::{Chord, GradientShader, Unpainted};
+use super::gradient_shader::{Chord, GradientShader, Special};
 use super::paint::Sheet;
 use crate::effects::layer::{Layer, Pixel, CLEAR};
 use kurbo::Point;
@@ -75,18 +75,24 @@ impl Shader<'_> {
     }
 
     /// Gives `put` the colours of up to 64 pixels of row `y` from column `x` on, each with its place among them, but
-    /// for those that it returns.
+    /// for those that it returns. Where nothing lies before them opaque ones may go to `picture`.
     #[inline]
-    pub fn row(&self, x: usize, y: u32, count: usize, mut put: impl FnMut(usize, Sheet)) -> Unpainted {
+    pub fn row(
+        &self,
+        (x, y): (usize, u32),
+        count: usize,
+        picture: Option<&mut [[u8; 4]]>,
+        mut put: impl FnMut(usize, Sheet),
+    ) -> Special {
         match self {
-            Shader::Gradient(gradient) => gradient.row(x, y, count, put),
+            Shader::Gradient(gradient) => gradient.row((x, y), count, picture, put),
             Shader::Layer { layer, by, .. } => {
                 layer.row(x as i32 - by.0, y as i32 - by.1, count, |i, pixel| put(i, sheet_of(pixel)));
-                Unpainted::default()
+                Special::default()
             }
             Shader::Tile { layer, .. } => {
                 repeated(layer, x as i32, y as i32, count, |i, pixel| put(i, sheet_of(pixel)));
-                Unpainted::default()
+                Special::default()
             }
         }
     }
@@ -104,7 +110,7 @@ impl Shader<'_> {
         match self {
             Shader::Gradient(gradient) => gradient.write_row(x, y, pixels),
             Shader::Layer { .. } | Shader::Tile { .. } => {
-                self.row(x, y, pixels.len(), |i, sheet| pixels[i] = sheet.to_rgba8());
+                self.row((x, y), pixels.len(), None, |i, sheet| pixels[i] = sheet.to_rgba8());
             }
         }
     }

@@ -20,46 +20,59 @@ enum Span<'a> {
     Tabled(&'a [[f32; 4]]),
 }
 
-/// Pixels of which a row of colours has none, a bit for each.
+/// Pixels of a row that are not given a sheet, a bit for each.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Unpainted {
+pub(crate) struct Special {
     /// The mean over the pixel will not do.
     pub uneven: u64,
     /// The paint has no colour there.
     pub clear: u64,
+    /// It hides what lies behind; its colour stands in the picture.
+    pub finished: u64,
 }
 
 impl GradientShader<'_> {
     /// Gives `put` the colours of up to 64 pixels of row `y` from column `x` on, each with its place among them, but
-    /// for those that it returns.
+    /// for those that it returns. Where nothing lies before them `picture` is what opaque ones go to.
     #[inline]
-    pub fn row(&self, x: usize, y: u32, count: usize, mut put: impl FnMut(usize, Sheet)) -> Unpainted {
-        let mut clear = 0;
+    pub fn row(
+        &self,
+        (x, y): (usize, u32),
+        count: usize,
+        mut picture: Option<&mut [[u8; 4]]>,
+        mut put: impl FnMut(usize, Sheet),
+    ) -> Special {
+        let (mut clear, mut finished) = (0, 0);
         let uneven = Cell::new(0);
         let is_uneven = |i: usize| {
             let is_uneven = self.is_uneven(Point::new((x + i) as f64 + 0.5, f64::from(y) + 0.5));
             uneven.set(uneven.get() | u64::from(is_uneven) << i);
             is_uneven
         };
-        self.spans(x, y, count, is_uneven, |first, span| match span {
-            Span::Straight(stretch, parameters, far) if self.may_be_uneven(stretch, far) => {
+        self.spans(x, y, count, is_uneven, |first, span| match (span, &mut picture) {
+            (Span::Straight(stretch, parameters, _), Some(picture)) if stretch.is_opaque() => {
+                let end = first + parameters.len();
+                stretch.write(parameters, &mut picture[first..end]);
+                finished |= word_mask(first, end);
+            }
+            (Span::Straight(stretch, parameters, far), _) if self.may_be_uneven(stretch, far) => {
                 for (i, &t) in parameters.iter().enumerate() {
                     if !is_uneven(first + i) {
                         put(first + i, stretch.at(t));
                     }
                 }
             }
-            Span::Straight(stretch, parameters, _) => {
+            (Span::Straight(stretch, parameters, _), _) => {
                 parameters.iter().enumerate().for_each(|(i, &t)| put(first + i, stretch.at(t)));
             }
-            Span::Clear(count) => clear |= word_mask(first, first + count),
-            Span::Pixel(sheet) => put(first, sheet),
-            Span::Tabled(colors) => {
+            (Span::Clear(count), _) => clear |= word_mask(first, first + count),
+            (Span::Pixel(sheet), _) => put(first, sheet),
+            (Span::Tabled(colors), _) => {
                 let sheet = |color: &[f32; 4]| sheet_of(color.map(|v| v * (1.0 / 255.0)));
                 colors.iter().enumerate().for_each(|(i, color)| put(first + i, sheet(color)));
             }
         });
-        Unpainted { uneven: uneven.get(), clear }
+        Special { uneven: uneven.get(), clear, finished }
     }
 
     /// The same in bytes, of a gradient that hides what lies behind.

@@ -87,13 +87,19 @@ impl Stretch {
         std::array::from_fn(|i| self.color[i] + self.slope[i] * by)
     }
 
+    /// Does it hide what lies behind, everywhere?
+    #[inline]
+    pub fn is_opaque(&self) -> bool {
+        self.color[3] == 1.0 && self.slope[3] == 0.0
+    }
+
     /// Does one of some components change by more than this with the parameter?
     #[inline]
     pub fn changes(&self, mut components: std::ops::Range<usize>, most: [f64; 4]) -> bool {
         components.any(|i| f64::from(self.slope[i].abs()) > most[i])
     }
 
-    /// The colours at parameters on it, for gradients that hide what lies behind.
+    /// The colours at parameters on it, if it hides what lies behind.
     #[inline]
     pub fn write(&self, parameters: &[f64], pixels: &mut [[u8; 4]]) {
         if self.slope == [0.0; 4] {
