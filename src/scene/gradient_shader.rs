@@ -297,9 +297,7 @@ impl<'a> GradientShader<'a> {
     fn keeps_mean(&self, local: &Local) -> bool {
         match self.pattern {
             Pattern::Linear { .. } | Pattern::Cone(_) => local.t >= self.apex,
-            Pattern::Circles(_) => {
-                self.steepness * local.lift().abs() <= MOST_LIFT && bends_little(local)
-            }
+            Pattern::Circles(_) => self.steepness * local.lift().abs() <= MOST_LIFT && bends_little(local),
         }
     }
 

@@ -145,9 +145,9 @@ impl Between {
         };
         let square = dx * dx + dy * dy;
         let quadratic = square - dr * dr;
-        let distances = borders.each_ref().map(|Border { touched, normal }| {
-            in_pixels(*normal, -normal.dot(touched.to_vec2()))
-        });
+        let distances = borders
+            .each_ref()
+            .map(|Border { touched, normal }| in_pixels(*normal, -normal.dot(touched.to_vec2())));
         let linear = in_pixels(Vec2::new(dx, dy) / quadratic, (r * dr - x * dx - y * dy) / quadratic);
         let mut planes = distances.into_iter().chain([linear]);
         let are_finite = planes.all(|plane| plane.start.is_finite() && plane.along.is_finite());
@@ -162,7 +162,8 @@ impl Between {
         // Up to where a border is.
         let mut count = parameters.len();
         for (plane, distance) in self.distances.iter().zip(distances) {
-            let near = if has_color { side * NEAR * plane.along.hypot() } else { 0.5 * side * plane.change() };
+            let near =
+                if has_color { side * NEAR * plane.along.hypot() } else { 0.5 * side * plane.change() };
             let room = distance.abs() - near;
             if room <= 0.0 || room.is_nan() {
                 return Run::Mixed { count: 1 };

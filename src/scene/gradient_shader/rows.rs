@@ -93,7 +93,7 @@ impl GradientShader<'_> {
                     pixels
                         .iter_mut()
                         .zip(colors)
-                        .for_each(|(pixel, color)| *pixel = stretch::rounded_opaque(*color));
+                        .for_each(|(pixel, &[r, g, b, _])| *pixel = stretch::rounded_bytes([r, g, b]));
                 }
             },
         );

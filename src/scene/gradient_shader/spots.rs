@@ -16,7 +16,6 @@
 use super::pattern::{Aims, Pattern, STEPS};
 use crate::scene::color_map::{changes, ColorMap};
 use kurbo::{Point, Vec2};
-use std::ops::Range;
 use std::sync::OnceLock;
 
 /// Of a component, premultiplied, 0 ..= 255.
@@ -59,46 +58,47 @@ pub(super) struct Demand {
     pub most_lift: f64,
 }
 
-/// Tables of a gradient at a picture's scale.
+/// Tables of a gradient at a picture's scale: of each fan, from half a period before the map's start on, a pair of
+/// colours for each sample, on the fan's first and its last ray.
 #[derive(Clone, Debug)]
 pub(super) struct Spots {
-    /// Of each step of the direction, which fan it lies in.
-    fans: Vec<u16>,
-    all: Vec<Fan>,
+    /// Of each step of the direction, the fan it lies in.
+    steps: Vec<Fan>,
+    /// Entries of either table.
+    entries: [usize; 2],
+    means: OnceLock<Vec<[Color; 2]>>,
+    bends: OnceLock<Vec<[Color; 2]>>,
 }
 
 /// The rays from one to another.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
+#[repr(align(32))]
 struct Fan {
     /// Its first step, and one over their number.
     from: f32,
     inverse: f32,
-    /// Up to this lift circles are straight.
+    /// Up to this lift circles are straight; negative if there is no table.
     straight: f32,
-    steps: Range<usize>,
-    /// Samples in a period; 0 if there is no table.
-    samples: usize,
-    means: OnceLock<Table>,
-    bends: OnceLock<Table>,
+    /// In a period, for means and for bends.
+    samples: [f32; 2],
+    /// Its first entry in either table.
+    first: [u32; 2],
 }
 
-/// For each sample, from half a period before the map's start on: colours on the fan's first and its last ray.
-#[derive(Clone, Debug)]
-struct Table {
-    entries: Box<[[Color; 2]]>,
-    samples: f32,
-}
+/// Of both tables of a fan.
+const MEANS: usize = 0;
+const BENDS: usize = 1;
 
 impl Spots {
     /// `None` where no table is worth its making, or all would be too large.
     pub fn plan(filtered: Filtered, demand: Demand) -> Option<Spots> {
-        let steps = filtered.pattern.steps();
-        if steps == 0 || demand.pixels < LEAST_PIXELS {
+        let count = filtered.pattern.steps();
+        if count == 0 || demand.pixels < LEAST_PIXELS {
             return None;
         }
-        let (mut fans, mut all) = (Vec::with_capacity(steps), Vec::new());
-        for eighth in (0..steps).step_by(STEPS) {
-            let end = (eighth + STEPS).min(steps);
+        let (mut steps, mut entries) = (Vec::with_capacity(count), [0; 2]);
+        for eighth in (0..count).step_by(STEPS) {
+            let end = (eighth + STEPS).min(count);
             let rays: Vec<Vec2> = (eighth..=end)
                 .map(|step| filtered.side * filtered.pattern.local_after(step, step == end).0.along)
                 .collect();
@@ -107,21 +107,20 @@ impl Spots {
                 let most = end - eighth - from;
                 let width = (2..=most).take_while(|width| demand.off(&rays[from..=from + width]) <= MOST_OFF);
                 let to = from + width.last().unwrap_or(1);
-                fans.resize(eighth + to, all.len() as u16);
-                let pixels = demand.pixels * (to - from) as f64 / steps as f64;
-                all.push(demand.fan(eighth + from, &rays[from..=to], filtered, pixels));
+                let pixels = demand.pixels * (to - from) as f64 / count as f64;
+                let fan = demand.fan(eighth + from, &rays[from..=to], filtered, pixels, &mut entries);
+                steps.resize(eighth + to, fan);
                 from = to;
             }
         }
-        let entries: usize = all.iter().map(Fan::entries).sum();
-        (1..=MOST_ENTRIES).contains(&entries).then_some(Spots { fans, all })
+        let is_some = (1..=MOST_ENTRIES).contains(&entries.iter().sum());
+        is_some.then_some(Spots { steps, entries, means: OnceLock::new(), bends: OnceLock::new() })
     }
 
-    /// Bytes of all tables, once each has been made.
+    /// Bytes of both tables, once each has been made.
     pub fn bytes(&self) -> u64 {
-        let entries: usize = self.all.iter().map(Fan::entries).sum();
-        let size = size_of::<[Color; 2]>() * entries + size_of::<Fan>() * self.all.len();
-        (size + size_of::<u16>() * self.fans.len()) as u64
+        let entries: usize = self.entries.iter().sum();
+        (size_of::<[Color; 2]>() * entries + size_of::<Fan>() * self.steps.len()) as u64
     }
 
     /// The colours of pixels of a row from a centre on; `other` gives those of which there is no table, by their
@@ -135,32 +134,28 @@ impl Spots {
         (colors, other): (&mut [Color], impl Fn(usize) -> Color),
     ) {
         filtered.pattern.aim(first, colors.len(), (filtered.side, filtered.map.frequency()), aims);
+        let means = &self.means(filtered)[..];
         let aims = aims.phases.iter().zip(&aims.directions).zip(&aims.lifts);
         for (i, (to, ((&phase, &direction), &lift))) in colors.iter_mut().zip(aims).enumerate() {
-            match self.straight_color(phase, direction, lift) {
+            match self.straight_color(means, phase, direction, lift) {
                 Some(color) => *to = color,
                 None => self.bent_color(filtered, (phase, direction, lift), to, || other(i)),
             }
         }
     }
 
-    /// The fan a direction lies in, and where in it, 0 ..= 1.
+    /// Where circles are straight.
     #[inline(always)]
-    fn fan(&self, direction: f32) -> Option<(&Fan, f32)> {
-        let (step, _) = whole(direction);
-        let fan = self.all.get(usize::from(*self.fans.get(step)?))?;
-        Some((fan, (direction - fan.from) * fan.inverse))
+    fn straight_color(&self, means: &[[Color; 2]], phase: f32, direction: f32, lift: f32) -> Option<Color> {
+        let fan = self.steps.get(whole(direction).0)?;
+        if lift <= fan.straight {
+            fan.color(means, MEANS, phase, direction)
+        } else {
+            None
+        }
     }
 
-    /// Where circles are straight, and somebody has looked at the fan before.
-    #[inline(always)]
-    fn straight_color(&self, phase: f32, direction: f32, lift: f32) -> Option<Color> {
-        let (fan, turn) = self.fan(direction)?;
-        let means = fan.means.get().filter(|_| lift <= fan.straight)?;
-        means.at(phase, turn)
-    }
-
-    /// Of any pixel; `other` gives it if there is no table.
+    /// Where they bend; `other` gives it if there is no table.
     #[inline(never)]
     fn bent_color(
         &self,
@@ -170,18 +165,54 @@ impl Spots {
         other: impl Fn() -> Color,
     ) {
         let color = || {
-            let (fan, turn) = self.fan(direction)?;
             // Not a number where there is no direction.
-            let is_near = lift <= MOST_BENT * fan.straight;
-            let mean = fan.means(filtered).filter(|_| is_near)?.at(phase, turn)?;
-            if lift <= fan.straight {
-                return Some(mean);
-            }
-            let bend = fan.bends(filtered).at(phase, turn)?;
+            let fan = self.steps.get(whole(direction).0).filter(|fan| lift <= MOST_BENT * fan.straight)?;
+            let mean = fan.color(self.means(filtered), MEANS, phase, direction)?;
+            let bend = fan.color(self.bends(filtered), BENDS, phase, direction)?;
             Some(std::array::from_fn(|i| (mean[i] + lift * bend[i]).clamp(0.0, 255.0)))
         };
         *to = color().unwrap_or_else(other);
     }
+
+    #[inline]
+    fn means(&self, filtered: Filtered) -> &[[Color; 2]] {
+        let mean =
+            |t: f64, along: Vec2, _| filtered.map.over_square(t, (along.x, along.y)).unwrap_or_default();
+        self.means.get_or_init(|| self.table(MEANS, filtered, mean))
+    }
+
+    #[inline]
+    fn bends(&self, filtered: Filtered) -> &[[Color; 2]] {
+        let bend = |t: f64, along: Vec2, ray: Vec2| filtered.map.bend_of_square(t, along, ray);
+        self.bends.get_or_init(|| self.table(BENDS, filtered, bend))
+    }
+
+    /// All entries of one of both tables.
+    #[cold]
+    fn table(
+        &self,
+        which: usize,
+        Filtered { pattern, map, side }: Filtered,
+        color: impl Fn(f64, Vec2, Vec2) -> Color,
+    ) -> Vec<[Color; 2]> {
+        let mut entries = Vec::with_capacity(self.entries[which]);
+        for fans in self.steps.chunk_by(|a, b| a.from == b.from).filter(|fans| fans[0].straight >= 0.0) {
+            let from = fans[0].from as usize;
+            let rays = [(from, false), (from + fans.len(), true)]
+                .map(|(step, after)| pattern.local_after(step, after));
+            let samples = fans[0].samples[which];
+            entries.extend((0..entries_of(samples)).map(|i| {
+                let t = (i as f64 / f64::from(samples) - 0.5) / map.frequency();
+                rays.map(|(local, ray)| color(t, side * local.along, ray).map(|v| 255.0 * v))
+            }));
+        }
+        entries
+    }
+}
+
+/// One more than the ends of a period, for rounding.
+fn entries_of(samples: f32) -> usize {
+    samples as usize + 2
 }
 
 impl Demand {
@@ -203,9 +234,16 @@ impl Demand {
         255.0 * self.range * (between + (off_line.x + off_line.y) / sides.0)
     }
 
-    /// The fan of these rays, of which so many pixels are thought to be asked for.
-    fn fan(&self, first: usize, rays: &[Vec2], filtered: Filtered, pixels: f64) -> Fan {
-        let steps = first..first + rays.len() - 1;
+    /// The fan of these rays, of which so many pixels are thought to be asked for; its entries are added to those
+    /// before.
+    fn fan(
+        &self,
+        first: usize,
+        rays: &[Vec2],
+        filtered: Filtered,
+        pixels: f64,
+        entries: &mut [usize; 2],
+    ) -> Fan {
         let least = |of: fn(f64, f64) -> f64| {
             rays.iter()
                 .map(|ray| changes((ray.x, ray.y)))
@@ -214,69 +252,31 @@ impl Demand {
         let samples = (255.0 * self.range / (4.0 * MOST_OFF * least(|a, b| a * b))).sqrt();
         let samples = (samples / filtered.map.frequency()).ceil().max(FEWEST_SAMPLES);
         let is_worth_it = COST * samples <= pixels && self.off(rays) <= MOST_OFF && least(|a, _| a) > 1e-9;
-        Fan {
+        let straight = self.most_lift * least(|a, b| 0.5 * (a + b)) / filtered.side;
+        let fan = Fan {
             from: first as f32,
-            inverse: 1.0 / steps.len() as f32,
-            straight: (self.most_lift * least(|a, b| 0.5 * (a + b)) / filtered.side) as f32,
-            steps,
-            samples: if is_worth_it { samples as usize } else { 0 },
-            means: OnceLock::new(),
-            bends: OnceLock::new(),
+            inverse: 1.0 / (rays.len() - 1) as f32,
+            straight: if is_worth_it { straight as f32 } else { -1.0 },
+            // Bends are small.
+            samples: [samples, (samples / 4.0).ceil()].map(|samples| samples as f32),
+            first: entries.map(|entries| entries as u32),
+        };
+        if is_worth_it {
+            (MEANS..=BENDS).for_each(|which| entries[which] += entries_of(fan.samples[which]));
         }
+        fan
     }
 }
 
 impl Fan {
-    /// Of both tables.
-    fn entries(&self) -> usize {
-        match self.samples {
-            0 => 0,
-            samples => samples + 2 + self.bend_samples() + 2,
-        }
-    }
-
-    /// Bends are small.
-    fn bend_samples(&self) -> usize {
-        self.samples.div_ceil(3)
-    }
-
-    #[cold]
-    fn means(&self, Filtered { pattern, map, side }: Filtered) -> Option<&Table> {
-        let mean = |t: f64, along: Vec2, _| map.over_square(t, (along.x, along.y)).unwrap_or_default();
-        (self.samples > 0).then(|| {
-            self.means.get_or_init(|| self.table(self.samples, (pattern, side, map.frequency()), mean))
-        })
-    }
-
-    fn bends(&self, Filtered { pattern, map, side }: Filtered) -> &Table {
-        let bend = |t: f64, along: Vec2, ray: Vec2| map.bend_of_square(t, along, ray);
-        self.bends.get_or_init(|| self.table(self.bend_samples(), (pattern, side, map.frequency()), bend))
-    }
-
-    fn table(
-        &self,
-        samples: usize,
-        (pattern, side, frequency): (&Pattern, f64, f64),
-        color: impl Fn(f64, Vec2, Vec2) -> Color,
-    ) -> Table {
-        let ends = [(self.steps.start, false), (self.steps.end, true)]
-            .map(|(step, after)| pattern.local_after(step, after));
-        let entry = |i: usize| {
-            let t = (i as f64 / samples as f64 - 0.5) / frequency;
-            ends.map(|(local, ray)| color(t, side * local.along, ray).map(|v| 255.0 * v))
-        };
-        // One more for rounding.
-        Table { entries: (0..samples + 2).map(entry).collect(), samples: samples as f32 }
-    }
-}
-
-impl Table {
-    /// At a phase, -.5 ..= .5, and between the first ray and the last, 0 ..= 1.
+    /// In a table, at a phase, -.5 ..= .5, and in a direction.
     #[inline(always)]
-    fn at(&self, phase: f32, turn: f32) -> Option<Color> {
-        let (sample, rest) = whole((phase + 0.5) * self.samples);
-        let (other, one) = (self.entries.get(sample + 1)?, &self.entries[sample]);
-        let between = |[first, last]: &[Color; 2]| -> Color {
+    fn color(&self, table: &[[Color; 2]], which: usize, phase: f32, direction: f32) -> Option<Color> {
+        let (sample, rest) = whole((phase + 0.5) * self.samples[which]);
+        let at = self.first[which] as usize + sample;
+        let (&other, &one) = (table.get(at + 1)?, &table[at]);
+        let turn = (direction - self.from) * self.inverse;
+        let between = |[first, last]: [Color; 2]| -> Color {
             std::array::from_fn(|i| first[i] + turn * (last[i] - first[i]))
         };
         let (one, other) = (between(one), between(other));
@@ -403,7 +403,11 @@ mod tests {
                 };
                 let (count, worst) = compare(&spots, filtered, (5.0, 100.0), 16);
                 let straight = Spots {
-                    all: spots.all.iter().cloned().map(|fan| Fan { straight: 1.0, ..fan }).collect(),
+                    steps: spots
+                        .steps
+                        .iter()
+                        .map(|&fan| Fan { straight: fan.straight.signum(), ..fan })
+                        .collect(),
                     ..spots
                 };
                 let (_, unbent) = compare(&straight, filtered, (5.0, 100.0), 16);

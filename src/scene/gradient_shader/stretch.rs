@@ -36,18 +36,11 @@ const ROUNDER: f32 = 8_388_608.0;
 
 /// Red, green and blue of 0 ..= 255 and full alpha.
 #[inline]
-fn rounded_bytes(color: [f32; 3]) -> [u8; 4] {
+pub(super) fn rounded_bytes(color: [f32; 3]) -> [u8; 4] {
     let [r, g, b] = color.map(|v| (v + ROUNDER).to_bits());
     // What stands before the last 8 digits is the same for all; shifted by 8 or 16 nothing of it is left.
     let word = r.wrapping_add(0xff00_0000 - ROUNDER.to_bits()).wrapping_add(g << 8).wrapping_add(b << 16);
     word.to_le_bytes()
-}
-
-/// Red, green and blue of 0 ..= 255, with full alpha in place of the last.
-#[inline]
-pub(super) fn rounded_opaque(color: [f32; 4]) -> [u8; 4] {
-    let [r, g, b, _] = color.map(|v| (v + ROUNDER).to_bits() as u8);
-    [r, g, b, 255]
 }
 
 /// Of a sheet that hides what lies behind.
