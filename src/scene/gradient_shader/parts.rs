@@ -24,8 +24,8 @@ const MOST_SHARE_OF_BEND: f64 = 6.0 * MOST_SHARE_OF_LIFT;
 /// its bend; twice that.
 const MOST_SHARE_OF_ROOT: f64 = 0.25;
 
-/// What a part of a pixel may be off by, of which there are some dozens.
-const MOST_OF_PARTS: f64 = 0.01 / 255.0;
+/// What a part of a pixel may be off by, of which there are a dozen or two.
+const MOST_OF_PARTS: f64 = 0.02 / 255.0;
 
 impl GradientShader<'_> {
     /// The mean over a convex polygon, by the gradient's slope at the polygon's centre.
