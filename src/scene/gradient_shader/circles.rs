@@ -9,13 +9,12 @@ use super::pattern::{Local, Run};
 use super::Chord;
 use kurbo::{Affine, Point, Vec2};
 
-/// Pixels of a row whose slopes and bends are bounded together.
-const AT_A_TIME: usize = 16;
+/// Pixels of a row whose slopes and bends are bounded together; and fewer, if they bend too much.
+const TOGETHER: usize = 16;
+const FEW_TOGETHER: usize = 4;
 
-const FEW_AT_A_TIME: usize = 4;
-
-/// Pixels so near to a border are looked at one by one: beyond, their lift is all that bends do. The next term of the
-/// root is 7 / 32 of the square of (half a pixel over the distance) of it.
+/// Pixels so near to a border are looked at one by one: beyond, their lift is all that bends do. Of the lift, the
+/// root's next term is at most a quarter of the square of (half a pixel over the distance).
 const NEAR: f64 = 2.0;
 
 /// The circle (centre, radius) at parameter 0, and the steps from it to the one at 1, in the gradient's plane.
@@ -157,34 +156,24 @@ impl Between {
 
     /// See [`super::pattern::Pattern::row`].
     fn row(&self, first: Point, (side, most_lift): (f64, f64), parameters: &mut [f64]) -> Run {
-        let distances = self.distances.map(|plane| plane.at(first));
-        let has_color = distances.iter().all(|&distance| distance > 0.0);
-        // Up to where a border is.
-        let mut count = parameters.len();
-        for (plane, distance) in self.distances.iter().zip(distances) {
-            let near =
-                if has_color { side * NEAR * plane.along.hypot() } else { 0.5 * side * plane.change() };
-            let room = distance.abs() - near;
-            if room <= 0.0 || room.is_nan() {
-                return Run::Mixed { count: 1 };
-            }
-            let closer = -plane.along.x.copysign(plane.along.x * distance);
-            if closer > 0.0 {
-                count = count.min((room / closer) as usize + 1);
-            }
+        let most = parameters.len();
+        let beyond = self.distances.map(|plane| plane.stays(first, -1.0, 0.5 * side * plane.change()));
+        if let Some(count) = beyond.into_iter().flatten().max() {
+            return Run::Clear { count: count.min(most) };
         }
-        if !has_color {
-            return Run::Clear { count };
-        }
-        for most in [AT_A_TIME, FEW_AT_A_TIME] {
-            let count = count.min(most);
+        let within = self.distances.map(|plane| plane.stays(first, 1.0, side * NEAR * plane.along.hypot()));
+        let [Some(l), Some(m)] = within else {
+            return Run::Mixed { count: 1 };
+        };
+        for together in [TOGETHER, FEW_TOGETHER] {
+            let count = most.min(l).min(m).min(together);
             let ends = self.ends(first, count);
             if side * side * self.lift(ends) <= most_lift {
                 self.parameters(first, &mut parameters[..count]);
                 return Run::Colored { count, far: side * self.far(ends) };
             }
         }
-        Run::Mixed { count: count.min(FEW_AT_A_TIME) }
+        Run::Mixed { count: most.min(l).min(m).min(FEW_TOGETHER) }
     }
 
     fn parameters(&self, first: Point, parameters: &mut [f64]) {
@@ -230,6 +219,14 @@ impl Between {
 impl Plane {
     fn at(&self, p: Point) -> f64 {
         self.start + self.along.dot(p.to_vec2())
+    }
+
+    /// In how many pixels of a row, from a centre on, it is `least` or more, with this sign; `None` if it is not in the
+    /// first.
+    fn stays(&self, first: Point, sign: f64, least: f64) -> Option<usize> {
+        let (room, step) = (sign * self.at(first) - least, sign * self.along.x);
+        let others = if step < 0.0 { (room / -step) as usize } else { usize::MAX };
+        (room >= 0.0).then_some(others.saturating_add(1))
     }
 
     /// From a corner of a pixel to the one across, at most.

@@ -141,14 +141,14 @@ impl GradientShader<'_> {
                     first += count;
                     continue;
                 }
-                Run::Colored { count, far } => (&some[..count], far),
-                Run::Mixed { count } => (&some[..count], f64::INFINITY),
+                Run::Colored { count, far } => (&some[..count], Some(far)),
+                Run::Mixed { count } => (&some[..count], None),
             };
             let mut done = 0;
             while let Some(&t) = some.get(done) {
                 // As far as the colours go straight.
                 let mut straight = 0;
-                if far.is_finite() {
+                if let Some(far) = far {
                     let stretch = stretch.get_or_insert_with(|| self.stretches.around(t));
                     if !stretch.holds(t, t) {
                         *stretch = self.stretches.around(t);
