@@ -286,6 +286,7 @@ impl Cel {
                     saturated |= u64::from(sheets[i].through() < NEGLIGIBLE) << (a + i);
                 };
                 let at = (word * 64 + a, top + row as u32);
+                // What is clear changes nothing.
                 let Special { uneven, .. } = shader.row(at, b - a, None, put);
                 self.list_whole(row, (word, uneven << a), brush, entries);
             }

@@ -106,7 +106,7 @@ impl Sheets {
         &mut sheets[a..b]
     }
 
-    /// The same for pixels that had none before.
+    /// The same for pixels that had none before: what they have is not defined until it is written.
     pub fn start_each(&mut self, word: (usize, usize), (a, b): (usize, usize)) -> &mut [Sheet] {
         let (starts, sheets) = self.word(word);
         start_at(starts, sheets, b);

@@ -75,7 +75,7 @@ impl Shader<'_> {
     }
 
     /// Gives `put` the colours of up to 64 pixels of row `y` from column `x` on, each with its place among them, but
-    /// for those that it returns. Where nothing lies before them opaque ones may go to `picture`.
+    /// for those that it returns. If nothing lies before them, `picture` has these pixels and may take opaque ones.
     #[inline]
     pub fn row(
         &self,

@@ -13,8 +13,9 @@ use kurbo::{Affine, Point, Vec2};
 const TOGETHER: usize = 16;
 const FEW_TOGETHER: usize = 4;
 
-/// Pixels so near to a border are looked at one by one: beyond, their lift is all that bends do. Of the lift, the
-/// root's next term is at most a quarter of the square of (half a pixel over the distance).
+/// Pixels so near to a border are looked at one by one: beyond, their lift is all that bends do, as of the lift the
+/// root's next term is at most a quarter of the square of (half a pixel over the distance); and their corners are not
+/// on the border.
 const NEAR: f64 = 2.0;
 
 /// The circle (centre, radius) at parameter 0, and the steps from it to the one at 1, in the gradient's plane.
@@ -170,7 +171,7 @@ impl Between {
             let ends = self.ends(first, count);
             if side * side * self.lift(ends) <= most_lift {
                 self.parameters(first, &mut parameters[..count]);
-                return Run::Colored { count, far: side * self.far(ends) };
+                return Run::Colored { count, far: side * self.far(ends, side) };
             }
         }
         Run::Mixed { count: most.min(l).min(m).min(FEW_TOGETHER) }
@@ -196,16 +197,22 @@ impl Between {
         })
     }
 
-    /// At least the change of the parameter from a pixel's centre to its corners, between places that are so far from
-    /// the borders.
-    fn far(&self, [l, m]: [(f64, f64); 2]) -> f64 {
+    /// At least the change of the parameter over half a pixel each way, in spots whose centres are so far from the
+    /// borders.
+    fn far(&self, ends: [(f64, f64); 2], side: f64) -> f64 {
+        let changes = self.distances.map(|plane| plane.change());
+        let corners = |(least, most): (f64, f64), change: f64| {
+            let by = 0.5 * side * change;
+            (least - by, most + by)
+        };
         // The slope of the root of l m is half that of l times the root of m / l, and the other way round.
-        let [along_l, along_m] = self.distances.map(|plane| plane.change());
+        let ([along_l, along_m], [l, m]) = (changes, [0, 1].map(|i| corners(ends[i], changes[i])));
         let slope = 0.5 * (along_l * (m.1 / l.0).sqrt() + along_m * (l.1 / m.0).sqrt());
         0.5 * (self.linear.change() + self.root * slope)
     }
 
-    /// At least what its mean over a pixel is off by from what it is in the middle, between the same places.
+    /// At least what its mean over a pixel is off by from what it is in the middle, but for the next term, in pixels
+    /// whose centres are so far from the borders.
     fn lift(&self, [l, m]: [(f64, f64); 2]) -> f64 {
         // The second derivatives of the root of l m along x and y sum to the square of m l' - l m' over
         // -4 (l m)^(3/2).

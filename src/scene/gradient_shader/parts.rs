@@ -20,12 +20,12 @@ pub(super) const MOST_HALVINGS: u32 = 5;
 /// a square's lift.
 const MOST_SHARE_OF_BEND: f64 = 6.0 * MOST_SHARE_OF_LIFT;
 
-/// What the mean of the parameter is off by next to a border, where it goes as the root of the distance, is an eighth of
-/// its bend; twice that.
+/// Next to a border the parameter goes as the root of the distance. Of a triangle that touches it, the mean that is told
+/// by the bend in the middle is off by an eighth of what the parameter bends up to the border; this is twice that.
 const MOST_SHARE_OF_ROOT: f64 = 0.25;
 
-/// What a part of a pixel may be off by, of which there are a dozen or two.
-const MOST_OF_PARTS: f64 = 0.02 / 255.0;
+/// What a part of a pixel may be off by, of which there are some dozens.
+const MOST_OF_PARTS: f64 = 0.01 / 255.0;
 
 impl GradientShader<'_> {
     /// The mean over a convex polygon, by the gradient's slope at the polygon's centre.
@@ -136,10 +136,12 @@ impl GradientShader<'_> {
         let most = |of: &dyn Fn(Vec2) -> f64| corners.iter().map(|&p| of(p - centre)).fold(0.0, f64::max);
         let reach = most(&|by| local.along.dot(by).abs());
         let bent = most(&|by| 0.5 * local.bend.abs() * local.across.dot(by).powi(2));
-        let (stretch, far) = (self.stretches.around(local.t), reach + bent);
-        let goes_straight = stretch.holds(local.t - far, local.t + far);
-        let most_off = match goes_straight {
-            true if bent <= MOST_SHARE_OF_BEND * reach => 0.0,
+        let bends_little = bent <= MOST_SHARE_OF_BEND * reach;
+        // Where it bends more, what the middle tells of it is up to half of what it does.
+        let far = if bends_little { reach + bent } else { 2.0 * (reach + bent) };
+        let stretch = self.stretches.around(local.t);
+        let most_off = match stretch.holds(local.t - far, local.t + far) {
+            true if bends_little => 0.0,
             true => MOST_SHARE_OF_ROOT * stretch.steepness() * bent,
             false => self.jump + self.steepness * far,
         };

@@ -33,7 +33,8 @@ pub(crate) struct Special {
 
 impl GradientShader<'_> {
     /// Gives `put` the colours of up to 64 pixels of row `y` from column `x` on, each with its place among them, but
-    /// for those that it returns. Where nothing lies before them `picture` is what opaque ones go to.
+    /// for those that it returns. If nothing lies before them, `picture` has these pixels and takes what is opaque of
+    /// stretches.
     #[inline]
     pub fn row(
         &self,
@@ -86,7 +87,7 @@ impl GradientShader<'_> {
                 Span::Straight(stretch, parameters, _) => {
                     stretch.write(parameters, &mut pixels[first..first + parameters.len()]);
                 }
-                Span::Clear(_) => unreachable!("it has colour everywhere"),
+                Span::Clear(_) => unreachable!("circles that leave places clear hide nothing"),
                 Span::Pixel(sheet) => pixels[first] = stretch::opaque_bytes(sheet),
                 Span::Tabled(colors) => {
                     let pixels = &mut pixels[first..first + colors.len()];
