@@ -178,3 +178,42 @@ fn steep_gradients_over_an_edge_and_over_one_another_are_true_in_either_light() 
     assert_true(&body, false, 1.0);
     assert_true(&body, true, 1.5);
 }
+
+/// As circles of one size that run along a diagonal and jump, beside the line that all of them touch.
+#[test]
+fn jumps_beside_a_border_are_edges() {
+    let stops = "<stop offset='.5' stop-color='#000'/><stop offset='.5' stop-color='#fff'/>";
+    for down in [1.209, 0.209] {
+        let end = 150.0 + down;
+        let strip = format!(
+            "<radialGradient id='s' gradientUnits='userSpaceOnUse' cx='0' cy='{down}' r='5000' fx='150' fy='{end}'
+             fr='5000' spreadMethod='repeat' gradientTransform='translate(-3690 3380)'>{stops}</radialGradient>
+             <rect width='24' height='24' fill='url(#s)'/>"
+        );
+        assert_true(&strip, false, 0.7);
+    }
+}
+
+/// What is opaque of a gradient hides what lies behind, and what has faded of it, or has no colour, does not.
+#[test]
+fn gradients_that_are_opaque_in_part_hide_and_show_what_lies_behind() {
+    let fading =
+        "<stop offset='.4' stop-color='#a30'/><stop offset='.7' stop-color='#0a3' stop-opacity='0'/>";
+    let cone = "<stop offset='.4' stop-color='#a30'/><stop offset='.7' stop-color='#0a3'/>";
+    let behind = "<path d='M2 2 22 9 6 22z' fill='#024'/><circle cx='15' cy='14' r='6' fill='#fc0'/>";
+    for (circle, stops) in [("r='14' fx='9'", fading), ("r='5' fx='19'", cone), ("r='5' fx='19'", fading)] {
+        let gradient = format!(
+            "<radialGradient id='p' gradientUnits='userSpaceOnUse' cx='10' cy='11' {circle} fy='11'>{stops}</radialGradient>"
+        );
+        assert_true(
+            &format!("{gradient}{PAPER}{behind}<rect width='24' height='24' fill='url(#p)'/>"),
+            false,
+            1.0,
+        );
+        assert_true(
+            &format!("{gradient}{behind}<path d='M0 0H24L3 24z' fill='url(#p)'/>{behind}"),
+            false,
+            1.0,
+        );
+    }
+}

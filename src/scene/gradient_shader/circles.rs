@@ -275,3 +275,65 @@ fn in_pixels(borders: &[Border; 2], to_pixels: Affine) -> Vec<Chord> {
     };
     borders.iter().map(line).filter(|ends| ends.iter().all(|end| end.is_finite())).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Focal points beside the circle, far and near, strips, circles that shrink; turned and skewed.
+    fn patterns() -> Vec<Circles> {
+        let circles = [
+            ((60.0, 20.0, 0.0), (-50.0, 10.0, 20.0)),
+            ((60.0, 20.0, 0.0), (-21.0, 3.0, 20.5)),
+            ((20.0, 30.0, 25.0), (30.0, 15.0, 0.0)),
+            ((20.0, 30.0, 40.0), (60.0, -20.0, -35.0)),
+            ((3575.0, -3490.0, 5000.0), (700.0, 700.0, 0.0)),
+        ];
+        let turns = [Affine::IDENTITY, Affine::rotate(0.7) * Affine::skew(0.4, 0.0) * Affine::scale(0.8)];
+        let all = circles.into_iter().flat_map(|circle| turns.map(|turn| (circle, turn)));
+        all.map(|((start, step), turn)| Circles::new(start, step, turn)).collect()
+    }
+
+    /// The parameters at places all over a pixel.
+    fn all_over(circles: &Circles, centre: Point) -> Vec<Option<f64>> {
+        let place = |i: i32| (f64::from(i) + 0.5) / 20.0 - 0.5;
+        let places = (0..400).map(|i| centre + Vec2::new(place(i % 20), place(i / 20)));
+        places.map(|p| circles.parameter(p)).collect()
+    }
+
+    #[test]
+    fn rows_have_the_parameters_of_their_pixels_and_bounds_of_what_these_change_by() {
+        let most_lift = 1e-3;
+        for (i, circles) in patterns().iter().enumerate() {
+            let (mut colored, mut clear, mut mixed) = (0, 0, 0);
+            for (x, y) in
+                (0..40).flat_map(|y| (0..4).map(move |x| (f64::from(x * 40), f64::from(y * 7 - 60))))
+            {
+                let first = Point::new(x - 60.5, y + 0.5);
+                let centre = |i: usize| first + Vec2::new(i as f64, 0.0);
+                let mut parameters = [f64::NAN; 40];
+                match circles.row(first, (1.0, most_lift), &mut parameters) {
+                    Run::Clear { count } => {
+                        clear += count;
+                        let is_clear = |i: usize| all_over(circles, centre(i)).iter().all(Option::is_none);
+                        assert!((0..count).all(is_clear), "{i}: {first}");
+                    }
+                    Run::Mixed { count } => mixed += count,
+                    Run::Colored { count, far } => {
+                        colored += count;
+                        for (j, &t) in parameters[..count].iter().enumerate() {
+                            let exact = circles.parameter(centre(j)).expect("it has colour");
+                            assert!((t - exact).abs() < 1e-9 * (1.0 + t.abs()), "{i}: {t}, {exact}");
+                            let all = all_over(circles, centre(j));
+                            let all: Vec<f64> = all.into_iter().map(|t| t.expect("it has colour")).collect();
+                            assert!(all.iter().all(|t| (t - exact).abs() <= far), "{i}: {first} {j}, {far}");
+                            let lift = all.iter().map(|t| t - exact).sum::<f64>() / all.len() as f64;
+                            assert!(lift.abs() <= 1.02 * most_lift, "{i}: {first} {j}, {lift}");
+                        }
+                    }
+                }
+            }
+            assert!(colored > 300 && clear + mixed > 0, "{i}: {colored}, {clear}, {mixed}");
+        }
+    }
+}
