@@ -134,7 +134,7 @@ impl Spots {
         (colors, other): (&mut [Color], impl Fn(usize) -> Color),
     ) {
         filtered.pattern.aim(first, colors.len(), (filtered.side, filtered.map.frequency()), aims);
-        let means = &self.means(filtered)[..];
+        let means = self.means(filtered);
         let aims = aims.phases.iter().zip(&aims.directions).zip(&aims.lifts);
         for (i, (to, ((&phase, &direction), &lift))) in colors.iter_mut().zip(aims).enumerate() {
             match self.straight_color(means, phase, direction, lift) {
