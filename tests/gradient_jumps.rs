@@ -183,11 +183,19 @@ fn steep_gradients_over_an_edge_and_over_one_another_are_true_in_either_light() 
 #[test]
 fn jumps_beside_a_border_are_edges() {
     let stops = "<stop offset='.5' stop-color='#000'/><stop offset='.5' stop-color='#fff'/>";
-    for down in [1.209, 0.209] {
-        let end = 150.0 + down;
+    // Radius, step along x and y, and where the first circle is.
+    let strips = [
+        (5000.0, -150.0, (-3540.0, 3531.209)),
+        (5000.0, -150.0, (-3540.0, 3530.209)),
+        (5000.0, -150.0, (-3540.0, 3530.7)),
+        (400.0, -37.0, (-312.0, 254.19)),
+        (400.0, -37.0, (-438.0, 125.54)),
+    ];
+    for (r, step, (x, y)) in strips {
+        let (cx, cy) = (x + step, y + step);
         let strip = format!(
-            "<radialGradient id='s' gradientUnits='userSpaceOnUse' cx='0' cy='{down}' r='5000' fx='150' fy='{end}'
-             fr='5000' spreadMethod='repeat' gradientTransform='translate(-3690 3380)'>{stops}</radialGradient>
+            "<radialGradient id='s' gradientUnits='userSpaceOnUse' cx='{cx}' cy='{cy}' r='{r}' fx='{x}' fy='{y}'
+             fr='{r}' spreadMethod='repeat'>{stops}</radialGradient>
              <rect width='24' height='24' fill='url(#s)'/>"
         );
         assert_true(&strip, false, 0.7);

@@ -134,7 +134,24 @@ impl Gradient {
             }
         }
         let margin = margin * (most - least);
-        (least <= most).then_some((least - margin, most + margin))
+        let (least, most) = (least - margin, most + margin);
+        let extended = self.offsets_at_borders(corner).fold((least, most), |(a, b), t| (a.min(t), b.max(t)));
+        (extended.0 <= extended.1).then_some(extended)
+    }
+
+    /// The offsets at the ends of what a pixel holds of the borders. Next to a border they go as the root of the
+    /// distance, so that places around it do not tell what they are there.
+    fn offsets_at_borders(&self, corner: Point) -> impl Iterator<Item = f64> + '_ {
+        let sides = [(0.0, 0.0, 1.0, 0.0), (0.0, 1.0, 1.0, 0.0), (0.0, 0.0, 0.0, 1.0), (1.0, 0.0, 0.0, 1.0)];
+        let sides = sides.map(|(x, y, right, down)| (corner + Vec2::new(x, y), Vec2::new(right, down)));
+        self.shape.borders().into_iter().flat_map(move |curve| {
+            let turn = Turn { from_pixels: self.from_pixels, to_pixels: self.to_pixels, curve };
+            sides.into_iter().flat_map(move |(from, along)| {
+                let on_side = turn.crossings(from, along).filter(|s| (0.0..=1.0).contains(s));
+                let points: Vec<Point> = on_side.map(|s| self.from_pixels * (from + along * s)).collect();
+                points.into_iter().filter_map(move |p| self.shape.offset_at_border(curve, p))
+            })
+        })
     }
 }
 
@@ -173,6 +190,23 @@ impl GradientShape {
                 let (one, other) = ((half_b + root.sqrt()) / a, (half_b - root.sqrt()) / a);
                 Some(one.max(other)).filter(holds).or(Some(one.min(other)).filter(holds))
             }
+        }
+    }
+
+    /// The offset at a point of a border.
+    fn offset_at_border(&self, border: Curve, at: Point) -> Option<f64> {
+        let (GradientShape::Radial { focus, focus_radius, centre, radius }, Curve::Line { through, normal }) =
+            (self, border)
+        else {
+            return None;
+        };
+        let growth = radius - focus_radius;
+        // The circle at t touches it at through + t step.
+        let step = (*centre - *focus) - normal * growth;
+        match step.hypot2() {
+            // All touch it in one point; around, circles without end come near to it.
+            square if square <= 1e-12 * growth * growth => Some(f64::INFINITY.copysign(growth)),
+            square => Some((at - through).dot(step) / square),
         }
     }
 

@@ -61,7 +61,7 @@ pub(super) enum Curve {
 
 impl Turn {
     /// Each s at which `from` + s `along` (pixels) meets the curve.
-    fn crossings(&self, from: Point, along: Vec2) -> impl Iterator<Item = f64> {
+    pub(super) fn crossings(&self, from: Point, along: Vec2) -> impl Iterator<Item = f64> {
         let at = self.from_pixels * from;
         let along = self.from_pixels * (from + along) - at;
         let found = match self.curve {

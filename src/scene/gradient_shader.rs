@@ -206,10 +206,10 @@ impl<'a> GradientShader<'a> {
         let Some(local) = self.pattern.local(centre) else {
             return Some(self.least());
         };
-        let (stretch, reach) = (self.stretches.around(local.t), self.spot_scale * local.reach());
+        let (stretch, far) = (self.stretches.around(local.t), local.far(self.spot_scale));
         let is_even = self.keeps_mean(&local)
-            && stretch.holds(local.t - reach, local.t + reach)
-            && stretch.steepness() * 2.0 * reach <= EVEN;
+            && stretch.holds(local.t - far, local.t + far)
+            && stretch.steepness() * 2.0 * far <= EVEN;
         is_even.then(|| stretch.at(local.t))
     }
 
@@ -250,14 +250,14 @@ impl<'a> GradientShader<'a> {
         let Some(local) = self.pattern.local(centre) else {
             return self.least();
         };
-        let (t, reach) = (local.t + side * side * local.lift(), side * local.reach());
+        let (t, far) = (local.t + side * side * local.lift(), local.far(side));
         let stretch = stretch.get_or_insert_with(|| self.stretches.around(t));
-        if !stretch.holds(t - reach, t + reach) {
+        if !stretch.holds(t - far, t + far) {
             *stretch = self.stretches.around(t);
         }
         let straight_enough =
             || self.keeps_mean(&local) || self.is_straight(&local, side * side) || bends_little(&local);
-        match stretch.holds(t - reach, t + reach) && straight_enough() {
+        match stretch.holds(t - far, t + far) && straight_enough() {
             true => stretch.at(t),
             false => self.mean(centre, &local),
         }

@@ -164,3 +164,23 @@ fn a_pixel_is_the_mean_of_the_sixty_four_within_it() {
     println!("worst difference from finer pixels: {worst:.4} levels");
     assert!(worst < 0.05, "{worst} levels");
 }
+
+#[test]
+fn a_jump_that_only_comes_near_the_border_of_a_gradient_is_seen() {
+    let shape = "<rect width='8' height='2' fill='url(#g)'/>";
+    // Circles of radius 50 that run to the right below y = .2: of the row's pixels a fifth. In the one that ends where
+    // the circle of the jump touches that line there is black only between the two.
+    let place = "cx='10' cy='-49.8' r='50' fx='0' fy='-49.8' fr='50'";
+    let row = truth(8, 2, &painted("radial", place, &jump(0.5), shape)).straight(4, 0);
+    let area = |u: f64| 0.5 * (u * (2500.0 - u * u).max(0.0).sqrt() + 2500.0 * (u / 50.0).asin());
+    let (from, to) = (2499f64.sqrt(), 50.0);
+    let black = (to - from) - (area(to) - area(from));
+    assert_near(row[3], 0.2 * 255.0, 1e-3);
+    assert_near(row[0], 255.0 * (1.0 - black / 0.2), 0.05);
+    // All circles touch x = 2 in the focus, and that of the jump has radius 25: white lies between them.
+    let place = "cx='-48' cy='3' r='50' fx='2' fy='3'";
+    let pixel = truth(8, 2, &painted("radial", place, &jump(0.5), shape)).straight(1, 1);
+    let area = |u: f64| 0.5 * (u * (625.0 - u * u).sqrt() + 625.0 * (u / 25.0).asin());
+    let white = 25.0 - (area(2.0) - area(1.0));
+    assert_near(pixel[0], 255.0 * white, 1e-2);
+}

@@ -39,7 +39,8 @@ impl GradientShader<'_> {
         let stretch = self.stretches.around(local.t);
         let parameters = corners.iter().map(|&p| local.t + local.along.dot(p - centre));
         let (from, to) = parameters.fold((local.t, local.t), |(from, to), t| (t.min(from), t.max(to)));
-        if stretch.holds(from, to) && self.keeps_mean(&local) {
+        let bent = local.far(1.0) - local.reach();
+        if stretch.holds(from - bent, to + bent) && self.keeps_mean(&local) {
             return stretch.at(local.t);
         }
         let integral = match self.is_straight(&local, 1.0) {
