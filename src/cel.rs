@@ -22,7 +22,7 @@ use crate::bitmap::{for_bits, for_runs, word_masks, Bitmap};
 use crate::coverage::Part;
 use crate::edges::{Bounds, BAND_ROWS};
 use crate::pixel::resolve::NEGLIGIBLE;
-use crate::scene::gradient_shader::Special;
+use crate::scene::gradient_shader::LeftOut;
 use crate::scene::paint::Sheet;
 use crate::scene::shader::Shader;
 use crate::zlist::{Entry, Head, Kind, NO_ENTRY};
@@ -240,7 +240,7 @@ impl Cel {
                 let put = |i: usize, sheet| sheets[i] = sheet;
                 let x = word * 64 + a;
                 let picture = picture.as_mut().map(|rows| &mut rows.row(row, self.width)[x..]);
-                let Special { uneven, clear, finished } =
+                let LeftOut { uneven, clear, finished } =
                     shader.row((x, top + row as u32), b - a, picture, put);
                 self.covered.row_mut(row)[word] &= !((uneven | clear | finished) << a);
                 self.list_whole(row, (word, uneven << a), brush, entries);
@@ -287,7 +287,7 @@ impl Cel {
                 };
                 let at = (word * 64 + a, top + row as u32);
                 // What is clear changes nothing.
-                let Special { uneven, .. } = shader.row(at, b - a, None, put);
+                let LeftOut { uneven, .. } = shader.row(at, b - a, None, put);
                 self.list_whole(row, (word, uneven << a), brush, entries);
             }
         });

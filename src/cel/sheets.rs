@@ -176,7 +176,7 @@ mod tests {
             let (a, b) = (a.min(b), a.max(b) + 1);
             let pixels = &mut expected[row * 100 + word * 64..][a..b];
             let new = sheet(random(1000) as f32 / 1000.0);
-            match step % 4 {
+            match step % 5 {
                 0 => {
                     sheets.fill((row, word), (a, b), new);
                     pixels.fill(new);
@@ -188,6 +188,11 @@ mod tests {
                 2 => {
                     sheets.change((row, word), (a, b), |_, _, sheet| sheet.faded(0.9));
                     pixels.iter_mut().for_each(|sheet| *sheet = sheet.faded(0.9));
+                }
+                3 => {
+                    let each = sheets.start_each((row, word), (a, b));
+                    each.iter_mut().enumerate().for_each(|(i, sheet)| *sheet = new.faded(i as f32 / 64.0));
+                    pixels.copy_from_slice(each);
                 }
                 _ => {
                     let each = sheets.each((row, word), (a, b));

@@ -19,7 +19,7 @@ mod spots;
 mod stretch;
 
 pub(crate) use cuts::Chord;
-pub(crate) use rows::Special;
+pub(crate) use rows::LeftOut;
 
 use super::color_map::ColorMap;
 use super::paint::{Gradient, Sheet, Spread, Stop};
@@ -75,8 +75,6 @@ pub(crate) struct GradientShader<'a> {
     mattering: Range<usize>,
     /// Does it matter whether it has colour in all of a pixel?
     ends_at_borders: bool,
-    /// The parameter changes by no more between the centre of the spot and its corners, anywhere.
-    farthest: f64,
     /// Below it the circles of a radial gradient, if they lie within one another, may be too small for the colour in
     /// the middle of a pixel to be the mean, even where the map goes straight.
     apex: f64,
@@ -166,7 +164,6 @@ impl<'a> GradientShader<'a> {
             mattering,
             steepness,
             jump: greatest_jump(gradient),
-            farthest: farthest * spot_scale,
             apex,
             contrast: (greatest_jump(gradient) + change).min(1.0),
             turns_everywhere,
@@ -198,6 +195,7 @@ impl<'a> GradientShader<'a> {
         self.pixel(Point::new(x, y), &mut None)
     }
 
+    /// See [`super::shader::Shader::even_at`].
     pub fn even_at(&self, x: f64, y: f64) -> Option<Sheet> {
         let centre = Point::new(x, y);
         if self.is_partly_clear(&square_of(centre, 1.0)) {
@@ -342,7 +340,8 @@ impl<'a> GradientShader<'a> {
 
     /// May means not do in some pixels, in each of which the map turns?
     fn may_differ(&self) -> bool {
-        !self.mattering.is_empty() && self.stretches.are_few_in(2.0 * self.farthest)
+        let farthest = self.spot_scale * self.pattern.farthest();
+        !self.mattering.is_empty() && self.stretches.are_few_in(2.0 * farthest)
     }
 
     fn filtered(&self) -> Filtered<'_> {

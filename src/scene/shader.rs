@@ -1,7 +1,7 @@
 //! Takes a paint that differs from place to place, at a picture's scale, makes colours: of a row of
 //! pixels, of one pixel, or of a part of one.
 
-use super::gradient_shader::{Chord, GradientShader, Special};
+use super::gradient_shader::{Chord, GradientShader, LeftOut};
 use super::paint::Sheet;
 use crate::effects::layer::{Layer, Pixel, CLEAR};
 use kurbo::Point;
@@ -74,8 +74,9 @@ impl Shader<'_> {
         }
     }
 
-    /// Gives `put` the colours of up to 64 pixels of row `y` from column `x` on, each with its place among them, but
-    /// for those that it returns. If nothing lies before them, `picture` has these pixels and may take opaque ones.
+    /// Gives `put` the colours of up to 64 pixels of row `y` from column `x` on, each with its place among them, and
+    /// returns those left out. `picture` has the same pixels, if nothing lies before them, and may be given opaque
+    /// ones.
     #[inline]
     pub fn row(
         &self,
@@ -83,16 +84,16 @@ impl Shader<'_> {
         count: usize,
         picture: Option<&mut [[u8; 4]]>,
         mut put: impl FnMut(usize, Sheet),
-    ) -> Special {
+    ) -> LeftOut {
         match self {
             Shader::Gradient(gradient) => gradient.row((x, y), count, picture, put),
             Shader::Layer { layer, by, .. } => {
                 layer.row(x as i32 - by.0, y as i32 - by.1, count, |i, pixel| put(i, sheet_of(pixel)));
-                Special::default()
+                LeftOut::default()
             }
             Shader::Tile { layer, .. } => {
                 repeated(layer, x as i32, y as i32, count, |i, pixel| put(i, sheet_of(pixel)));
-                Special::default()
+                LeftOut::default()
             }
         }
     }

@@ -157,24 +157,24 @@ impl Between {
 
     /// See [`super::pattern::Pattern::row`].
     fn row(&self, first: Point, (side, most_lift): (f64, f64), parameters: &mut [f64]) -> Run {
-        let most = parameters.len();
         let beyond = self.distances.map(|plane| plane.stays(first, -1.0, 0.5 * side * plane.change()));
         if let Some(count) = beyond.into_iter().flatten().max() {
-            return Run::Clear { count: count.min(most) };
+            return Run::Clear { count: count.min(parameters.len()) };
         }
         let within = self.distances.map(|plane| plane.stays(first, 1.0, side * NEAR * plane.along.hypot()));
         let [Some(l), Some(m)] = within else {
             return Run::Mixed { count: 1 };
         };
+        let alike = l.min(m).min(parameters.len());
         for together in [TOGETHER, FEW_TOGETHER] {
-            let count = most.min(l).min(m).min(together);
+            let count = alike.min(together);
             let ends = self.ends(first, count);
             if side * side * self.lift(ends) <= most_lift {
                 self.parameters(first, &mut parameters[..count]);
-                return Run::Colored { count, far: side * self.far(ends, side) };
+                return Run::Colored { count, far: self.far(ends, side) };
             }
         }
-        Run::Mixed { count: most.min(l).min(m).min(FEW_TOGETHER) }
+        Run::Mixed { count: alike.min(FEW_TOGETHER) }
     }
 
     fn parameters(&self, first: Point, parameters: &mut [f64]) {
@@ -197,18 +197,15 @@ impl Between {
         })
     }
 
-    /// At least the change of the parameter over half a pixel each way, in spots whose centres are so far from the
+    /// At least the change of the parameter from the centre of a spot to its corners, if centres are so far from the
     /// borders.
-    fn far(&self, ends: [(f64, f64); 2], side: f64) -> f64 {
-        let changes = self.distances.map(|plane| plane.change());
-        let corners = |(least, most): (f64, f64), change: f64| {
-            let by = 0.5 * side * change;
-            (least - by, most + by)
-        };
+    fn far(&self, [l, m]: [(f64, f64); 2], side: f64) -> f64 {
+        let [along_l, along_m] = self.distances.map(|plane| side * plane.change());
+        let with_corners = |(least, most): (f64, f64), along: f64| (least - 0.5 * along, most + 0.5 * along);
+        let (l, m) = (with_corners(l, along_l), with_corners(m, along_m));
         // The slope of the root of l m is half that of l times the root of m / l, and the other way round.
-        let ([along_l, along_m], [l, m]) = (changes, [0, 1].map(|i| corners(ends[i], changes[i])));
-        let slope = 0.5 * (along_l * (m.1 / l.0).sqrt() + along_m * (l.1 / m.0).sqrt());
-        0.5 * (self.linear.change() + self.root * slope)
+        let along_root = 0.5 * (along_l * (m.1 / l.0).sqrt() + along_m * (l.1 / m.0).sqrt());
+        0.5 * (side * self.linear.change() + self.root * along_root)
     }
 
     /// At least what its mean over a pixel is off by from what it is in the middle, but for the next term, in pixels
@@ -228,7 +225,7 @@ impl Plane {
         self.start + self.along.dot(p.to_vec2())
     }
 
-    /// In how many pixels of a row, from a centre on, it is `least` or more, with this sign; `None` if it is not in the
+    /// In how many pixels of a row, from a centre on, it is `least` or more, times this sign; `None` if it is not in the
     /// first.
     fn stays(&self, first: Point, sign: f64, least: f64) -> Option<usize> {
         let (room, step) = (sign * self.at(first) - least, sign * self.along.x);

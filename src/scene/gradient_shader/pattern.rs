@@ -61,7 +61,7 @@ impl Local {
     }
 }
 
-/// What pixels of a row have in common, and how many.
+/// How many pixels of a row are alike, and how.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Run {
     /// They have parameters, which change by no more than `far` between the centre of a pixel's spot and its corners.
@@ -175,8 +175,9 @@ impl Pattern {
         }
     }
 
-    /// The parameters of pixels of a row from a centre on, as many as have it in common what they are; with spots of
-    /// side `side`. Circles that do not lie within one another may lift it by `most_lift`.
+    /// The first of a row's pixels from a centre on, as many as are alike, with their parameters if they are coloured.
+    /// Spots have side `side`; where circles that do not lie within one another lift the parameter by more than
+    /// `most_lift`, pixels are mixed.
     #[inline]
     pub fn row(&self, first: Point, (side, most_lift): (f64, f64), parameters: &mut [f64]) -> Run {
         let count = parameters.len();

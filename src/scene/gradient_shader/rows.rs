@@ -10,7 +10,7 @@ use std::cell::Cell;
 
 /// Some of a row's colours.
 enum Span<'a> {
-    /// Of pixels with these parameters, which lie on a stretch, each with all that are so far to either side.
+    /// Of pixels with these parameters, each of which lies on a stretch with all parameters so far to either side.
     Straight(&'a Stretch, &'a [f64], f64),
     /// Of so many pixels that have none.
     Clear(usize),
@@ -20,9 +20,9 @@ enum Span<'a> {
     Tabled(&'a [[f32; 4]]),
 }
 
-/// Pixels of a row that are not given a sheet, a bit for each.
+/// Pixels that a row of colours leaves out, a bit for each.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Special {
+pub(crate) struct LeftOut {
     /// The mean over the pixel will not do.
     pub uneven: u64,
     /// The paint has no colour there.
@@ -32,9 +32,9 @@ pub(crate) struct Special {
 }
 
 impl GradientShader<'_> {
-    /// Gives `put` the colours of up to 64 pixels of row `y` from column `x` on, each with its place among them, but
-    /// for those that it returns. If nothing lies before them, `picture` has these pixels and takes what is opaque of
-    /// stretches.
+    /// Gives `put` the colours of up to 64 pixels of row `y` from column `x` on, each with its place among them, and
+    /// returns those left out. `picture` has the same pixels, if nothing lies before them, and is given those that
+    /// lie on opaque stretches.
     #[inline]
     pub fn row(
         &self,
@@ -42,7 +42,7 @@ impl GradientShader<'_> {
         count: usize,
         mut picture: Option<&mut [[u8; 4]]>,
         mut put: impl FnMut(usize, Sheet),
-    ) -> Special {
+    ) -> LeftOut {
         let (mut clear, mut finished) = (0, 0);
         let uneven = Cell::new(0);
         let is_uneven = |i: usize| {
@@ -73,7 +73,7 @@ impl GradientShader<'_> {
                 colors.iter().enumerate().for_each(|(i, color)| put(first + i, sheet(color)));
             }
         });
-        Special { uneven: uneven.get(), clear, finished }
+        LeftOut { uneven: uneven.get(), clear, finished }
     }
 
     /// The same in bytes, of a gradient that hides what lies behind.

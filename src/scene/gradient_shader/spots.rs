@@ -70,7 +70,7 @@ pub(super) struct Spots {
     bends: OnceLock<Vec<[Color; 2]>>,
 }
 
-/// The rays from one to another.
+/// The rays from one to another. It lies in one line of the cache.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(32))]
 struct Fan {
