@@ -65,8 +65,14 @@ impl Bounds {
 /// A shape's edges, still in the order of its outline.
 pub(crate) struct EdgeList {
     edges: Vec<Edge>,
+    /// For each band, and one more: how many more edges come into it from above, or begin there, than have left
+    /// behind the band before.
+    changes: Vec<i32>,
     width: f64,
     height: f64,
+    /// The same in fixed point.
+    right: i32,
+    bottom: i32,
     /// Where the polygon began, and where it has got to.
     start: Corner,
     last: Corner,
@@ -146,8 +152,11 @@ impl EdgeList {
         let origin = Corner::new(Point::ZERO);
         EdgeList {
             edges: Vec::new(),
+            changes: vec![0; height.div_ceil(BAND_ROWS) as usize + 1],
             width: width.into(),
             height: height.into(),
+            right: (width as i32) << FRACTION_BITS,
+            bottom: (height as i32) << FRACTION_BITS,
             start: origin,
             last: origin,
             extent: Extent::EMPTY,
@@ -185,21 +194,19 @@ impl EdgeList {
     #[inline]
     fn line(&mut self, to: Corner) {
         let from = std::mem::replace(&mut self.last, to);
-        let (a, b) = (from.exact, to.exact);
-        let beside = (a.y < 0.0 && b.y < 0.0)
-            || (a.y >= self.height && b.y >= self.height)
-            || (a.x >= self.width && b.x >= self.width);
-        if beside {
-            return;
-        }
         match (from.fixed, to.fixed) {
             (Some(from), Some(to)) => self.push(from, to),
-            _ => self.long_line(a, b),
+            _ => self.long_line(from.exact, to.exact),
         }
     }
 
+    #[cold]
+    #[inline(never)]
     fn long_line(&mut self, from: Point, to: Point) {
-        if !(from.x + from.y + to.x + to.y).is_finite() {
+        let beside = (from.y < 0.0 && to.y < 0.0)
+            || (from.y >= self.height && to.y >= self.height)
+            || (from.x >= self.width && to.x >= self.width);
+        if beside || !(from.x + from.y + to.x + to.y).is_finite() {
             return;
         }
         // Cut from the same end whichever way it runs.
@@ -243,15 +250,31 @@ impl EdgeList {
         line(last, bottom);
     }
 
-    #[inline]
+    #[inline(always)]
     fn push(&mut self, (ax, ay): (i32, i32), (bx, by): (i32, i32)) {
         let edge = match (ay, ax).cmp(&(by, bx)) {
             Ordering::Equal => return,
             Ordering::Less => Edge { x0: ax, y0: ay, x1: bx, y1: by, winding: 1 },
             Ordering::Greater => Edge { x0: bx, y0: by, x1: ax, y1: ay, winding: -1 },
         };
+        // Above, below and right of the picture nothing counts.
+        if edge.y1 < 0 || edge.y0 >= self.bottom || edge.x0.min(edge.x1) >= self.right {
+            return;
+        }
         self.extent.add(&edge);
+        let (first, last) = self.bands(&edge);
+        self.changes[first] += 1;
+        self.changes[last + 1] -= 1;
         self.edges.push(edge);
+    }
+
+    /// The first and the last band that an edge meets: those of [y0, y1) or, of a horizontal edge, that of the row it
+    /// lies in.
+    #[inline]
+    fn bands(&self, edge: &Edge) -> (usize, usize) {
+        const BAND_BITS: u32 = FRACTION_BITS + BAND_ROWS.trailing_zeros();
+        let last = (edge.y1 - 1).max(edge.y0).clamp(0, self.bottom - 1);
+        ((edge.y0.max(0) >> BAND_BITS) as usize, (last >> BAND_BITS) as usize)
     }
 
     /// The pixels that edges lie in.
@@ -276,12 +299,41 @@ impl EdgeList {
 
     /// Sorts the edges into bands, and is empty again.
     pub fn take_banded(&mut self) -> BandedEdges {
-        let banded = BandedEdges::sort(&self.edges, self.bounds());
+        let banded = self.sort();
         self.edges.clear();
         self.extent = Extent::EMPTY;
         let origin = Corner::new(Point::ZERO);
         (self.start, self.last) = (origin, origin);
         banded
+    }
+
+    /// Counting sort.
+    fn sort(&mut self) -> BandedEdges {
+        let bounds = self.bounds();
+        if self.edges.is_empty() {
+            return BandedEdges::default();
+        }
+        let first_band = bounds.top / BAND_ROWS as usize;
+        let bands = (bounds.bottom - 1) / BAND_ROWS as usize + 1 - first_band;
+        let mut starts = Vec::with_capacity(bands + 1);
+        let (mut total, mut here) = (0, 0);
+        for change in &mut self.changes[first_band..=first_band + bands] {
+            starts.push(total);
+            here += std::mem::take(change);
+            total += here as u32;
+        }
+        let mut sorted = vec![Edge { x0: 0, y0: 0, x1: 0, y1: 0, winding: 0 }; total as usize];
+        // Each start moves on to the next one's place, and is put back at the end.
+        for edge in &self.edges {
+            let (first, last) = self.bands(edge);
+            for start in &mut starts[first - first_band..=last - first_band] {
+                sorted[*start as usize] = *edge;
+                *start += 1;
+            }
+        }
+        starts.rotate_right(1);
+        starts[0] = 0;
+        BandedEdges { first_band, starts, edges: sorted, bounds }
     }
 }
 
@@ -308,40 +360,5 @@ impl BandedEdges {
             (Some(&start), Some(&end)) => &self.edges[start as usize..end as usize],
             _ => &[],
         }
-    }
-
-    /// Counting sort.
-    fn sort(edges: &[Edge], bounds: Bounds) -> BandedEdges {
-        if bounds.top >= bounds.bottom {
-            return BandedEdges::default();
-        }
-        const BAND_BITS: u32 = FRACTION_BITS + BAND_ROWS.trailing_zeros();
-        let first = (bounds.top as u32 / BAND_ROWS) as i32;
-        let last = ((bounds.bottom as u32 - 1) / BAND_ROWS) as i32;
-        // The bands of [y0, y1) and, of a horizontal edge, that of the row it lies in.
-        let range = |e: &Edge| {
-            let (from, to) = (e.y0 >> BAND_BITS, (e.y1 - 1).max(e.y0) >> BAND_BITS);
-            (from.max(first) - first) as usize..(to.min(last) - first + 1).max(0) as usize
-        };
-        let mut starts = vec![0u32; (last - first + 2) as usize];
-        for edge in edges {
-            range(edge).for_each(|band| starts[band + 1] += 1);
-        }
-        let mut total = 0;
-        for start in &mut starts {
-            total += *start;
-            *start = total;
-        }
-        let mut sorted = vec![Edge { x0: 0, y0: 0, x1: 0, y1: 0, winding: 0 }; total as usize];
-        // Each start moves on to the next one's place, and is put back at the end.
-        for edge in edges {
-            for band in range(edge) {
-                sorted[starts[band] as usize] = *edge;
-                starts[band] += 1;
-            }
-        }
-        starts.rotate_right(1);
-        starts[0] = 0;
-        BandedEdges { first_band: first as usize, starts, edges: sorted, bounds }
     }
 }
