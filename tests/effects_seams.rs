@@ -194,6 +194,37 @@ fn shapes_that_abut_under_one_group_opacity_leave_no_seam() {
 }
 
 #[test]
+fn a_colour_that_ends_in_half_a_level_is_one_colour_in_parts_and_whole() {
+    let slanted = |attributes: &str| {
+        format!("<path {attributes} d='M2 2L30 2L5 30L2 30z'/><path {attributes} d='M30 2L30 30L5 30z'/>")
+    };
+    for percent in 1..100 {
+        for color in ["#369", "#07f", "#a1b2c3"] {
+            let group = format!("<g opacity='.{percent:02}' fill='{color}'>{}</g>", slanted(""));
+            let above = format!(
+                "{}<rect width='32' height='32' fill='{color}' opacity='.{percent:02}'/>",
+                slanted("fill='#936'")
+            );
+            let on_paper = format!("<rect width='32' height='32' fill='#fed'/>{group}");
+            for body in [group, above, on_paper] {
+                let svg =
+                    format!("<svg xmlns='http://www.w3.org/2000/svg' width='32' height='32'>{body}</svg>");
+                let scene = Scene::from_bytes(svg.as_bytes(), &Options::default()).expect("a drawing");
+                for linear in [false, true] {
+                    let mut renderer =
+                        Renderer::new(Settings { linear, ..Settings::default() }).expect("a renderer");
+                    let picture = renderer.render(&scene, &Viewport::fit(&scene, 32, 32)).expect("a picture");
+                    let expected = picture.pixel(4, 4);
+                    for (x, y) in (3..29 * 26).map(|i| (3 + i % 26, 3 + i / 26)).filter(|&(_, y)| y < 29) {
+                        assert_eq!(picture.pixel(x, y), expected, "{body}, linear: {linear}, at {x}, {y}");
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[test]
 fn shapes_that_abut_under_one_clip_leave_no_seam() {
     let color = |sides: &[bool]| if sides[1] { of_halves(sides) } else { WHITE };
     assert_exact(

@@ -73,6 +73,30 @@ fn a_tile_of_what_other_primitives_made_repeats_what_they_made_there() {
 }
 
 #[test]
+fn an_offset_shows_nothing_outside_the_place_that_it_names() {
+    let body =
+        filtered("<feOffset dx='2' x='20' y='22' width='12' height='9'/>", "<rect width='64' height='64'/>");
+    let picture = render(64, 64, &body);
+    for (x, y) in (0..64 * 64).map(|i| (i % 64, i / 64)) {
+        let inside = (20..32).contains(&x) && (22..31).contains(&y);
+        assert_eq!(picture.pixel(x, y)[3], if inside { 255 } else { 0 }, "{x}, {y}");
+    }
+}
+
+#[test]
+fn what_is_filtered_blends_with_nothing_that_the_filter_makes() {
+    let content = "<rect width='40' height='40' fill='#fc0' style='mix-blend-mode:multiply'/>";
+    for primitives in [
+        "<feDropShadow dx='8' dy='8' stdDeviation='4'/>",
+        "<feFlood flood-color='#048'/><feMerge><feMergeNode/><feMergeNode in='SourceGraphic'/></feMerge>",
+        "<feMerge><feMergeNode in='SourceGraphic'/><feMergeNode in='SourceGraphic'/></feMerge>",
+    ] {
+        let picture = render(64, 64, &filtered(primitives, content));
+        assert_eq!(picture.pixel(20, 20), [255, 204, 0, 255], "{primitives}");
+    }
+}
+
+#[test]
 fn a_result_that_is_looked_at_again_is_what_it_was() {
     // Blurred, moved, tiled or lit in its place, it would not be.
     for other in [

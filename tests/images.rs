@@ -143,3 +143,16 @@ fn tiles_too_small_to_be_counted_are_their_mean_however_they_lie() {
         }
     }
 }
+
+#[test]
+fn what_an_image_of_svg_holds_blends_with_nothing_outside_it() {
+    let image = "<svg xmlns='http://www.w3.org/2000/svg' width='10' height='10'>\
+                 <rect width='10' height='10' fill='%23fc0' style='mix-blend-mode:multiply'/></svg>"
+        .replace('<', "&lt;");
+    let body = format!(
+        "<rect width='16' height='16' fill='#00f'/><image width='10' height='10' href=\"data:image/svg+xml;utf8,{image}\"/>"
+    );
+    let picture = drawn(&svg(16, 16, &body), 16);
+    assert_eq!(picture.pixel(5, 5), [255, 204, 0, 255]);
+    assert_eq!(picture.pixel(12, 12), [0, 0, 255, 255]);
+}

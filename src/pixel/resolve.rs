@@ -465,10 +465,8 @@ impl Mean {
         debug_assert!((0..=PIXEL_AREA).contains(&area));
         let sheet = if linear { sheet.to_linear() } else { sheet };
         let area = area as f64;
-        for (sum, share) in self.sums.iter_mut().zip(sheet.channels()) {
-            // Between 2 and 4 a float has 22 digits behind the point.
-            let rounded = (share + 2.0) - 2.0;
-            *sum += f64::from(rounded) * area;
+        for (sum, share) in self.sums.iter_mut().zip(sheet.rounded_channels()) {
+            *sum += f64::from(share) * area;
         }
     }
 

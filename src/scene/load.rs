@@ -9,6 +9,8 @@ mod decode;
 mod guard;
 mod images;
 mod links;
+mod selectors;
+mod unread;
 
 pub(crate) use arcs::has_far_arc;
 pub(crate) use links::Styled;
@@ -137,6 +139,7 @@ fn read_tree(
         let xml = parse_xml(&text)?;
         let census = guard::check(&xml, options.usvg.style_sheet.as_deref(), &options.limits)?;
         if census.circles.is_empty() {
+            warnings.extend(unread::find(&xml));
             return Ok((tree_from_xml(&xml, &census, options, unmatched)?, warnings));
         }
         note_circles(&xml, &census.circles, &mut warnings);
@@ -153,11 +156,7 @@ fn note_circles(xml: &roxmltree::Document, circles: &[links::Place], warnings: &
         return;
     }
     let at = xml.descendants().rfind(|node| node.is_element() && node.range().contains(&first));
-    let element = at.map_or_else(String::new, |node| {
-        let line = xml.text_pos_at(node.range().start).row;
-        let place = || format!("the <{}> in line {line}", node.tag_name().name());
-        node.attribute("id").map_or_else(place, str::to_owned)
-    });
+    let element = at.as_ref().map_or_else(String::new, unread::name);
     let kind = "links by which elements draw themselves";
     warnings.push(Warning { kind, element, count: circles.len() });
 }

@@ -43,7 +43,8 @@ pub struct Options {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Warning {
     /// What is left out, in the plural: `images` (that cannot be read), `texts without a
-    /// font`, `links by which elements draw themselves`.
+    /// font`, `links by which elements draw themselves`, `foreign objects`, `elements of other files`,
+    /// `vector effects`, `elements with filters that are not there`.
     pub kind: &'static str,
     /// The first element that has it: its `id`, or where it stands when it has none.
     pub element: String,

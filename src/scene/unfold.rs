@@ -107,6 +107,16 @@ fn is_flat(scene: &Scene) -> bool {
     scene.shapes.iter().all(|shape| matches!(shape.paint, Paint::Flat(_)))
 }
 
+/// Does anything in it blend?
+fn blends(scene: &Scene) -> bool {
+    scene.shapes.iter().any(|shape| match &shape.paint {
+        Paint::Raster(raster) => {
+            matches!(&raster.source, Source::Group(group) if group.blend_mode != BlendMode::Normal)
+        }
+        _ => false,
+    })
+}
+
 fn pixel_of(sheet: Sheet) -> Pixel {
     let [r, g, b, through] = sheet.channels();
     [r, g, b, 1.0 - through]
@@ -198,7 +208,12 @@ fn add_content(scene: &mut Scene, content: Content, place: Place) {
         }
         Content::Behind(shape, inner) => {
             scene.shapes.push(Shape { clip: place.clip, group: place.group, ..*shape });
-            add_scene(scene, inner, place);
+            // It was whole before it was filtered: nothing in it blends with what comes of that.
+            let group = match blends(inner) {
+                true => add_group(scene, place.group, 1.0, Role::Paint),
+                false => place.group,
+            };
+            add_scene(scene, inner, Place { group, ..place });
         }
     }
 }

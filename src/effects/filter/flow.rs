@@ -5,7 +5,7 @@ use super::region::{pixels_of, primitive_reach};
 use crate::effects::layer::IntRect;
 use kurbo::Affine;
 use std::collections::HashMap;
-use usvg::filter::{Input, Kind, Primitive};
+use usvg::filter::{Filter, Input, Kind, Primitive};
 
 /// Where an input comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -14,6 +14,12 @@ pub(super) enum Origin {
     SourceAlpha,
     /// The result of the primitive with this number.
     Result(usize),
+}
+
+/// May the result leave where its input is? So it is with an feOffset that names no place of its own, for which
+/// usvg gives the filter's.
+pub(super) fn moves_freely(primitive: &Primitive, filter: &Filter) -> bool {
+    matches!(primitive.kind(), Kind::Offset(_)) && primitive.rect() == filter.rect()
 }
 
 /// The inputs of a filter's primitives.
@@ -93,12 +99,13 @@ impl Flow {
         uses
     }
 
-    /// Where each primitive's result has anything: feTile's tile. An feOffset is where its input is.
-    pub fn subregions(&self, primitives: &[Primitive], to_canvas: Affine) -> Vec<IntRect> {
-        let mut subregions: Vec<IntRect> = Vec::with_capacity(primitives.len());
-        for (number, primitive) in primitives.iter().enumerate() {
-            let subregion = match (primitive.kind(), self.inputs(number)) {
-                (Kind::Offset(_), &[Origin::Result(of)]) => subregions[of],
+    /// Where each primitive's result has anything: feTile's tile. An feOffset that names no place is where its
+    /// input is.
+    pub fn subregions(&self, filter: &Filter, to_canvas: Affine) -> Vec<IntRect> {
+        let mut subregions: Vec<IntRect> = Vec::with_capacity(filter.primitives().len());
+        for (number, primitive) in filter.primitives().iter().enumerate() {
+            let subregion = match self.inputs(number) {
+                &[Origin::Result(of)] if moves_freely(primitive, filter) => subregions[of],
                 _ => pixels_of(primitive.rect(), to_canvas),
             };
             subregions.push(subregion);

@@ -41,7 +41,7 @@ use crate::effects::highlights::Highlights;
 use crate::effects::layer::{pixel_of, IntRect, Layer, Pixel, Space};
 use crate::effects::log::Log;
 use crate::Error;
-use flow::{Flow, Needed, Origin, Uses};
+use flow::{moves_freely, Flow, Needed, Origin, Uses};
 use kurbo::{Affine, Rect};
 use region::{pixels_of, scales, LAST_BITS};
 use std::rc::Rc;
@@ -114,7 +114,7 @@ pub(crate) fn held_pixels(filter: &Filter, region: IntRect) -> u64 {
 pub(crate) fn source_rect(filter: &Filter, region: IntRect, to_canvas: Affine) -> IntRect {
     let primitives = filter.primitives();
     let flow = Flow::of(primitives);
-    flow.needed(primitives, &flow.subregions(primitives, to_canvas), region, to_canvas).source
+    flow.needed(primitives, &flow.subregions(filter, to_canvas), region, to_canvas).source
 }
 
 /// A primitive that is run.
@@ -194,7 +194,7 @@ impl<'a> Run<'a> {
     fn new(filter: &'a Filter, region: IntRect, source: Layer, to_canvas: Affine) -> Run<'a> {
         let primitives = filter.primitives();
         let flow = Flow::of(primitives);
-        let subregions = flow.subregions(primitives, to_canvas);
+        let subregions = flow.subregions(filter, to_canvas);
         let needed = flow.needed(primitives, &subregions, region, to_canvas);
         Run {
             filter,
@@ -229,8 +229,7 @@ impl<'a> Run<'a> {
     /// The primitive's result, over the pixels that are looked at.
     fn primitive(&mut self, number: usize, primitive: &Primitive, job: &mut Job) -> Result<Layer, Error> {
         let mut layer = self.layer(number, primitive, job)?;
-        // What an feOffset moves may leave where its input is.
-        if !matches!(primitive.kind(), Kind::Offset(_)) {
+        if !moves_freely(primitive, self.filter) {
             layer.clear_outside(self.subregions[number]);
         }
         Ok(layer.into_rect(self.needed.results[number]))

@@ -1,7 +1,7 @@
 //! Takes images, and groups and patterns that pixels may have to be made of, makes shapes that are painted with
 //! them; their contents are scenes of their own.
 
-use super::{rect, Place, Walk};
+use super::{affine, blends_inside, rect, Place, Walk};
 use crate::scene::paint::Paint;
 use crate::scene::raster::{image_contents, Mask, Raster, RasterGroup, Source};
 use crate::scene::{Geometry, Outline, Scene, Shape, Warning};
@@ -22,7 +22,7 @@ impl Walk {
     pub(super) fn image(&mut self, image: &usvg::Image, place: Place) -> Result<(), Error> {
         use usvg::ImageKind::{GIF, JPEG, PNG, SVG, WEBP};
         let bytes = match image.kind() {
-            SVG(tree) => return self.group(tree.root(), place),
+            SVG(tree) => return self.drawing(tree.root(), place),
             JPEG(bytes) | PNG(bytes) | GIF(bytes) | WEBP(bytes) => bytes,
         };
         let Some(decoded) = self.decoded(bytes)? else {
@@ -44,6 +44,15 @@ impl Walk {
         let paint = Paint::Raster(Arc::new(raster));
         self.shapes.push(Shape { geometry, paint, clip: place.clip, group: place.group });
         Ok(())
+    }
+
+    /// A drawing that is an image: nothing in it blends with what lies below.
+    fn drawing(&mut self, root: &usvg::Group, place: Place) -> Result<(), Error> {
+        if !blends_inside(root) {
+            return self.group(root, place);
+        }
+        let transform = place.transform * affine(root.transform());
+        self.raster(root, Place { transform, ..place })
     }
 
     /// An image, decoded once however often it is drawn; `None` when its bytes are no image, or

@@ -29,7 +29,7 @@ pub(super) struct Census {
 /// closes.
 pub(super) fn check(xml: &Document, style_sheet: Option<&str>, limits: &Limits) -> Result<Census, Error> {
     arcs::check(xml)?;
-    let links = links::find(xml, style_sheet);
+    let links = links::find(xml, style_sheet)?;
     let has_text = xml.descendants().any(|n| n.is_element() && n.tag_name().name() == "text");
     let from_gradient = |link: &&Link| xml.get_node(NodeId::from(link.from as u32)).is_some_and(is_gradient);
     let mut gradients: Vec<_> = links.iter().filter(from_gradient).map(|link| (link.to, link.from)).collect();

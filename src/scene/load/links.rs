@@ -3,6 +3,8 @@
 //!
 //! Only links that make the parser go through the other element are kept.
 
+use super::selectors;
+use crate::Error;
 use simplecss::{DeclarationTokenizer, StyleSheet};
 use std::collections::HashMap;
 use std::ops::Range;
@@ -43,15 +45,19 @@ pub(super) struct Place {
 }
 
 /// All links of `xml`, sorted by the element that has them.
-pub(super) fn find(xml: &Document, injected: Option<&str>) -> Vec<Link> {
+///
+/// # Errors
+/// Those of [`selectors::check`].
+pub(super) fn find(xml: &Document, injected: Option<&str>) -> Result<Vec<Link>, Error> {
     let finder = Finder::new(xml, injected);
+    selectors::check(xml, &finder.styles)?;
     let mut links = Vec::new();
     for node in xml.descendants().filter(Node::is_element) {
         finder.links_of(node, &mut links);
     }
     // Already in order but for what is inherited; stable, so that a run is deterministic.
     links.sort_by_key(|link| link.from);
-    links
+    Ok(links)
 }
 
 pub(super) fn index(id: NodeId) -> usize {
