@@ -141,6 +141,12 @@ fn areas_of_export_have_their_sizes() {
     let folder = Folder::with(SQUARE);
     assert_success(&folder.run(&["--export-area-drawing", "-z", "2", "in.svg", "out.png"]));
     assert_eq!(folder.png_size("out.png"), (20, 20));
+    // As with resvg, what says nothing beside the others is warned of.
+    let output = folder.run(&["--export-area-page", "in.svg", "out.png"]);
+    assert_success(&output);
+    assert!(String::from_utf8_lossy(&output.stderr).contains("--export-area-page has no effect"));
+    assert_success(&folder.run(&["-w", "30", "-z", "9", "in.svg", "out.png"]));
+    assert_eq!(folder.png_size("out.png").0, 30);
     let output = folder.run(&["-i", "nobody", "in.svg", "x.png"]);
     assert_fails(&output, 3, "no element has the id 'nobody'");
     assert!(!folder.0.join("x.png").exists());

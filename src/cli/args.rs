@@ -98,8 +98,8 @@ pub(super) struct SizeOptions {
     /// Height in pixels
     #[arg(short, long, value_name = "N", value_parser = values::length)]
     pub(super) height: Option<u32>,
-    /// Factor on the drawing's own size
-    #[arg(short, long, value_name = "F", value_parser = values::zoom, conflicts_with_all = ["width", "height"])]
+    /// Factor on the drawing's own size, if neither width nor height is given
+    #[arg(short, long, value_name = "F", value_parser = values::zoom)]
     zoom: Option<f32>,
     /// Pixels an inch, for lengths in mm, pt and so on
     #[arg(long, value_name = "N", default_value_t = 96, value_parser = clap::value_parser!(u32).range(10..=4000))]
@@ -167,10 +167,10 @@ pub(super) struct PartOptions {
     #[arg(short = 'i', long, value_name = "ID")]
     export_id: Option<String>,
     /// With --export-id: on the whole page rather than on the element's box
-    #[arg(long, requires = "export_id")]
+    #[arg(long)]
     export_area_page: bool,
-    /// The box of all that is drawn rather than the page
-    #[arg(long, conflicts_with = "export_id")]
+    /// The box of all that is drawn rather than the page; without --export-id
+    #[arg(long)]
     export_area_drawing: bool,
 }
 
@@ -250,6 +250,9 @@ pub fn job(argv: impl Iterator<Item = OsString>) -> Result<Job, String> {
         return Ok(Job::ListFonts(arguments.fonts));
     }
     log_if(arguments.report.verbose);
+    if let Some(idle) = arguments.part.idle().filter(|_| !arguments.report.quiet) {
+        super::report::line(&format!("warning: {idle}"));
+    }
     if arguments.query.query_all || arguments.query.query_bbox {
         return query_job(arguments);
     }
@@ -394,6 +397,17 @@ impl PictureOptions {
 }
 
 impl PartOptions {
+    /// What of these options says nothing beside the others.
+    fn idle(&self) -> Option<&'static str> {
+        match &self.export_id {
+            None if self.export_area_page => Some("--export-area-page has no effect without --export-id"),
+            Some(_) if self.export_area_drawing => {
+                Some("--export-area-drawing has no effect with --export-id")
+            }
+            _ => None,
+        }
+    }
+
     pub(super) fn part(self) -> Part {
         match self.export_id {
             Some(id) => Part::Element { id, on_page: self.export_area_page },

@@ -173,9 +173,8 @@ pub fn tolerance(text: &str) -> Result<f64, String> {
 pub struct Color(pub [u8; 4]);
 
 pub fn color(text: &str) -> Result<Color, String> {
-    text.trim()
-        .parse::<svgtypes::Color>()
-        .map(|c| Color([c.red, c.green, c.blue, c.alpha]))
+    color::parse_color(&text.to_ascii_lowercase())
+        .map(|color| Color(color.to_alpha_color::<color::Srgb>().to_rgba8().to_u8_array()))
         .map_err(|_| "must be a CSS colour, such as white, #fff or rgb(255 255 255)".to_string())
 }
 
@@ -233,5 +232,27 @@ pub fn effort(fast: bool, small: bool) -> Effort {
         (true, _) => Effort::Fast,
         (_, true) => Effort::Small,
         _ => Effort::default(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn colours_are_those_of_css() {
+        for (text, expected) in [
+            ("White", [255, 255, 255, 255]),
+            (" #0f08 ", [0, 255, 0, 136]),
+            ("rebeccapurple", [102, 51, 153, 255]),
+            ("rgb(1 2 3 / 20%)", [1, 2, 3, 51]),
+            ("rgba(1,2,3,.2)", [1, 2, 3, 51]),
+            ("hsl(120, 100%, 50%)", [0, 255, 0, 255]),
+            ("color(srgb 1 0 0)", [255, 0, 0, 255]),
+            ("transparent", [0; 4]),
+        ] {
+            assert_eq!(color(text).map(|color| color.0), Ok(expected), "{text}");
+        }
+        assert!(color("nonsense").is_err() && color("").is_err() && color("#ff").is_err());
     }
 }
