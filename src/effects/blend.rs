@@ -37,8 +37,10 @@ pub(crate) fn blend(mode: BlendMode, source: Pixel, backdrop: Pixel) -> Pixel {
 pub(crate) fn own_color(mode: BlendMode, source: Pixel, backdrop: Pixel) -> Pixel {
     let alpha = source[3];
     let blended = blend(mode, source, backdrop);
-    let own = |i: usize| least(most(blended[i] - (1.0 - alpha) * backdrop[i], 0.0), alpha);
-    [own(0), own(1), own(2), alpha]
+    let mut own: Pixel =
+        std::array::from_fn(|i| least(most(blended[i] - (1.0 - alpha) * backdrop[i], 0.0), alpha));
+    own[3] = alpha;
+    own
 }
 
 /// Porter and Duff's `over`.
@@ -69,11 +71,12 @@ fn composed(source: Pixel, backdrop: Pixel, mixed: impl Fn(Pixel, Pixel) -> Pixe
     }
     let both = mixed(straight(source), straight(backdrop));
     let alpha = source_alpha + backdrop_alpha * (1.0 - source_alpha);
-    let color = |i: usize| {
+    let mut seen: Pixel = std::array::from_fn(|i| {
         let alone = source[i] * (1.0 - backdrop_alpha) + backdrop[i] * (1.0 - source_alpha);
         least(most(alone + both[i] * source_alpha * backdrop_alpha, 0.0), alpha)
-    };
-    [color(0), color(1), color(2), alpha]
+    });
+    seen[3] = alpha;
+    seen
 }
 
 /// A premultiplied colour, not clear, as straight red, green and blue.
@@ -128,10 +131,12 @@ fn color_burn(s: f32, b: f32) -> f32 {
 }
 
 fn hard_light(s: f32, b: f32) -> f32 {
+    // Both are made, so that four components are one vector.
+    let (dark, light) = (multiply(2.0 * s, b), screen(2.0 * s - 1.0, b));
     if s <= 0.5 {
-        multiply(2.0 * s, b)
+        dark
     } else {
-        screen(2.0 * s - 1.0, b)
+        light
     }
 }
 
