@@ -162,6 +162,15 @@ fn pages(count: usize) -> String {
     (0..count).map(page).collect()
 }
 
+/// Circles that blend, each by itself, some 30 over a pixel, and their borders in most.
+fn deep_circles(count: usize) -> String {
+    let circle = |i: usize| {
+        let (x, y, color) = ((i * 145) % 1024, (i * 219) % 1024, (i * 1237) % 0xfff);
+        format!("<circle cx='{x}.3' cy='{y}' r='184' fill='#{color:03x}' fill-opacity='.05' style='mix-blend-mode:overlay'/>")
+    };
+    (0..count).map(circle).collect()
+}
+
 /// Groups that blend, each of one circle that covers much of the page.
 fn large_circles(count: usize) -> String {
     let mut random = Random::new(11);
@@ -274,6 +283,7 @@ fn scenes() -> Vec<(&'static str, String)> {
         ("blend, luminosity", blended("luminosity")),
         ("blend, 200 pages", format!("{paper}{}", pages(200))),
         ("blend, 200 large circles", format!("{paper}{}", large_circles(200))),
+        ("blend, 300 deep", deep_circles(300)),
         ("blend, 60 small", format!("{paper}{}", circles(60, "style='mix-blend-mode:multiply'"))),
         ("pattern", pattern(64, "")),
         ("pattern, turned", pattern(64, "rotate(13)")),
