@@ -147,8 +147,9 @@ impl Corner {
 }
 
 impl EdgeList {
-    /// For a picture of this many pixels.
+    /// For a picture of this many pixels: one with none, or more a side than [`LARGEST_SIDE`], is not rendered.
     pub fn new(width: u32, height: u32) -> EdgeList {
+        let [width, height] = [width, height].map(|side| side.clamp(1, LARGEST_SIDE));
         let origin = Corner::new(Point::ZERO);
         EdgeList {
             edges: Vec::new(),
