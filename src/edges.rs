@@ -68,9 +68,7 @@ pub(crate) struct EdgeList {
     /// For each band, and one more: how many more edges come into it from above, or begin there, than have left
     /// behind the band before.
     changes: Vec<i32>,
-    width: f64,
-    height: f64,
-    /// The same in fixed point.
+    /// Where the picture ends, in fixed point.
     right: i32,
     bottom: i32,
     /// Where the polygon began, and where it has got to.
@@ -154,8 +152,6 @@ impl EdgeList {
         EdgeList {
             edges: Vec::new(),
             changes: vec![0; height.div_ceil(BAND_ROWS) as usize + 1],
-            width: width.into(),
-            height: height.into(),
             right: (width as i32) << FRACTION_BITS,
             bottom: (height as i32) << FRACTION_BITS,
             start: origin,
@@ -168,10 +164,8 @@ impl EdgeList {
     /// below or right of the picture, where nothing counts, or left of it, where only winding does.
     pub fn sees_no_curve(&self, hull: &[Point]) -> bool {
         let all = |outside: &dyn Fn(&Point) -> bool| hull.iter().all(outside);
-        all(&|p| p.y <= 0.0)
-            || all(&|p| p.y >= self.height)
-            || all(&|p| p.x >= self.width)
-            || all(&|p| p.x <= 0.0)
+        let [width, height] = [self.right, self.bottom].map(|end| f64::from(end >> FRACTION_BITS));
+        all(&|p| p.y <= 0.0) || all(&|p| p.y >= height) || all(&|p| p.x >= width) || all(&|p| p.x <= 0.0)
     }
 
     /// Begins a polygon; the one before is closed.
@@ -201,13 +195,8 @@ impl EdgeList {
         }
     }
 
-    #[cold]
-    #[inline(never)]
     fn long_line(&mut self, from: Point, to: Point) {
-        let beside = (from.y < 0.0 && to.y < 0.0)
-            || (from.y >= self.height && to.y >= self.height)
-            || (from.x >= self.width && to.x >= self.width);
-        if beside || !(from.x + from.y + to.x + to.y).is_finite() {
+        if !(from.x + from.y + to.x + to.y).is_finite() {
             return;
         }
         // Cut from the same end whichever way it runs.
@@ -251,7 +240,7 @@ impl EdgeList {
         line(last, bottom);
     }
 
-    #[inline(always)]
+    #[inline]
     fn push(&mut self, (ax, ay): (i32, i32), (bx, by): (i32, i32)) {
         let edge = match (ay, ax).cmp(&(by, bx)) {
             Ordering::Equal => return,
@@ -280,16 +269,16 @@ impl EdgeList {
 
     /// The pixels that edges lie in.
     fn bounds(&self) -> Bounds {
-        let pixel = |v: i32, most: f64| (v >> FRACTION_BITS).clamp(0, most as i32) as usize;
+        let pixel = |v: i32, end: i32| (v.clamp(0, end) >> FRACTION_BITS) as usize;
         let Extent { left, top, right, bottom } = self.extent;
         if self.edges.is_empty() {
             return Bounds::default();
         }
         Bounds {
-            left: pixel(left, self.width),
-            right: pixel(right + ONE, self.width),
-            top: pixel(top, self.height),
-            bottom: pixel(bottom + ONE, self.height),
+            left: pixel(left, self.right),
+            right: pixel(right + ONE, self.right),
+            top: pixel(top, self.bottom),
+            bottom: pixel(bottom + ONE, self.bottom),
         }
     }
 

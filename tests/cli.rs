@@ -469,3 +469,21 @@ fn every_effort_and_thread_count_gives_the_same_pixels() {
     }
     assert!(pixels.windows(2).all(|pair| pair[0] == pair[1]));
 }
+
+#[test]
+fn selectors_that_would_be_tried_for_ever_are_refused_in_pictures_and_in_films() {
+    let nested = |inside: &str| {
+        format!(
+            "<svg xmlns='http://www.w3.org/2000/svg' width='9' height='9'>
+            <style>x g g g g g g g g rect{{fill:red}}</style>{}<rect width='9' height='9'>{inside}</rect>{}</svg>",
+            "<g>".repeat(60),
+            "</g>".repeat(60)
+        )
+    };
+    let still = Folder::with(&nested(""));
+    assert_fails(&still.run(&["in.svg", "out.png"]), 3, "'x g g g g g g g g rect'");
+    let film = Folder::with(&nested("<animate attributeName='x' to='9' dur='1s'/>"));
+    let frames = film.run(&["--frames", "1-3", "--fps", "5", "in.svg", "-o", "shot.#.png"]);
+    assert_fails(&frames, 3, "'x g g g g g g g g rect'");
+    assert!(!film.0.join("shot.1.png").exists());
+}

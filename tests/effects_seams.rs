@@ -198,6 +198,9 @@ fn a_colour_that_ends_in_half_a_level_is_one_colour_in_parts_and_whole() {
     let slanted = |attributes: &str| {
         format!("<path {attributes} d='M2 2L30 2L5 30L2 30z'/><path {attributes} d='M30 2L30 30L5 30z'/>")
     };
+    let mut renderers = [false, true].map(|linear| {
+        Renderer::new(Settings { linear, threads: 1, ..Settings::default() }).expect("a renderer")
+    });
     for percent in 1..100 {
         for color in ["#369", "#07f", "#a1b2c3"] {
             let group = format!("<g opacity='.{percent:02}' fill='{color}'>{}</g>", slanted(""));
@@ -210,13 +213,11 @@ fn a_colour_that_ends_in_half_a_level_is_one_colour_in_parts_and_whole() {
                 let svg =
                     format!("<svg xmlns='http://www.w3.org/2000/svg' width='32' height='32'>{body}</svg>");
                 let scene = Scene::from_bytes(svg.as_bytes(), &Options::default()).expect("a drawing");
-                for linear in [false, true] {
-                    let mut renderer =
-                        Renderer::new(Settings { linear, ..Settings::default() }).expect("a renderer");
+                for renderer in &mut renderers {
                     let picture = renderer.render(&scene, &Viewport::fit(&scene, 32, 32)).expect("a picture");
                     let expected = picture.pixel(4, 4);
-                    for (x, y) in (3..29 * 26).map(|i| (3 + i % 26, 3 + i / 26)).filter(|&(_, y)| y < 29) {
-                        assert_eq!(picture.pixel(x, y), expected, "{body}, linear: {linear}, at {x}, {y}");
+                    for (x, y) in (0..26 * 26).map(|i| (3 + i % 26, 3 + i / 26)) {
+                        assert_eq!(picture.pixel(x, y), expected, "{body} at {x}, {y}");
                     }
                 }
             }

@@ -250,9 +250,7 @@ pub fn job(argv: impl Iterator<Item = OsString>) -> Result<Job, String> {
         return Ok(Job::ListFonts(arguments.fonts));
     }
     log_if(arguments.report.verbose);
-    if let Some(idle) = arguments.part.idle().filter(|_| !arguments.report.quiet) {
-        super::report::line(&format!("warning: {idle}"));
-    }
+    arguments.part.warn_of_idle(arguments.report.quiet);
     if arguments.query.query_all || arguments.query.query_bbox {
         return query_job(arguments);
     }
@@ -397,14 +395,15 @@ impl PictureOptions {
 }
 
 impl PartOptions {
-    /// What of these options says nothing beside the others.
-    fn idle(&self) -> Option<&'static str> {
-        match &self.export_id {
-            None if self.export_area_page => Some("--export-area-page has no effect without --export-id"),
-            Some(_) if self.export_area_drawing => {
-                Some("--export-area-drawing has no effect with --export-id")
-            }
-            _ => None,
+    /// Warns of an option that says nothing beside the others, as resvg does.
+    pub(super) fn warn_of_idle(&self, quiet: bool) {
+        let idle = match &self.export_id {
+            None if self.export_area_page => "--export-area-page has no effect without --export-id",
+            Some(_) if self.export_area_drawing => "--export-area-drawing has no effect with --export-id",
+            _ => return,
+        };
+        if !quiet {
+            super::report::line(&format!("warning: {idle}"));
         }
     }
 

@@ -57,6 +57,7 @@ impl ExplainArguments {
             return Err("standard input can be read only once".to_string());
         }
         args::log_if(self.verbose);
+        self.part.warn_of_idle(self.quiet);
         Ok(Job::Explain(Box::new(ExplainJob {
             inputs,
             json: self.json,

@@ -2,7 +2,7 @@
 //! link to, and the tags around all of it. What a piece draws depends on itself, on the tags, and on the
 //! pieces that it links to, and on nothing else; where that is not so, a drawing is not split.
 
-use crate::scene::load::Styled;
+use crate::scene::load::{check_selectors, Styled};
 use crate::scene::parts::CUT_ID;
 use crate::scene::print::{of_bytes, Print};
 use simplecss::{DeclarationTokenizer, StyleSheet};
@@ -163,7 +163,8 @@ fn styles<'a>(xml: &'a Document<'a>, injected: Option<&'a str>) -> Option<StyleS
         let links = rule.declarations.iter().any(|declaration| declaration.value.contains("url"));
         !links && !rule.selector.to_string().contains(['+', '>', ':'])
     };
-    styles.rules.iter().all(is_local).then_some(styles)
+    // What would be refused goes the long way, which says so.
+    (styles.rules.iter().all(is_local) && check_selectors(xml, &styles).is_ok()).then_some(styles)
 }
 
 /// Cuts a drawing.

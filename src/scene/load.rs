@@ -14,6 +14,7 @@ mod unread;
 
 pub(crate) use arcs::has_far_arc;
 pub(crate) use links::Styled;
+pub(crate) use selectors::check as check_selectors;
 
 use crate::{Error, Options, Warning};
 use std::borrow::Cow;
@@ -139,13 +140,21 @@ fn read_tree(
         let xml = parse_xml(&text)?;
         let census = guard::check(&xml, options.usvg.style_sheet.as_deref(), &options.limits)?;
         if census.circles.is_empty() {
-            warnings.extend(unread::find(&xml));
-            return Ok((tree_from_xml(&xml, &census, options, unmatched)?, warnings));
+            let tree = tree_from_xml(&xml, &census, options, unmatched)?;
+            warnings.extend(census.unread);
+            return Ok((tree, warnings));
         }
         note_circles(&xml, &census.circles, &mut warnings);
         text = guard::cut(&text, &census.circles).into();
     }
     Err(Error::Parse("its elements draw each other in circles".to_string()))
+}
+
+/// What warnings call an element: its id, or where it stands.
+fn name_of(node: &roxmltree::Node) -> String {
+    let line = || node.document().text_pos_at(node.range().start).row;
+    let place = || format!("the <{}> in line {}", node.tag_name().name(), line());
+    node.attribute("id").map_or_else(place, str::to_owned)
 }
 
 /// One warning, which names the first element whose link is cut.
@@ -156,7 +165,7 @@ fn note_circles(xml: &roxmltree::Document, circles: &[links::Place], warnings: &
         return;
     }
     let at = xml.descendants().rfind(|node| node.is_element() && node.range().contains(&first));
-    let element = at.as_ref().map_or_else(String::new, unread::name);
+    let element = at.as_ref().map_or_else(String::new, name_of);
     let kind = "links by which elements draw themselves";
     warnings.push(Warning { kind, element, count: circles.len() });
 }

@@ -1,7 +1,8 @@
 //! Takes style sheets, `style` and attributes, makes the value that an element has for a property: the
 //! cascade in the parser's own order, with inheritance and initial values.
 
-use crate::scene::load::Styled;
+use crate::scene::load::{check_selectors, Styled};
+use crate::Error;
 use simplecss::{DeclarationTokenizer, StyleSheet};
 use usvg::roxmltree::{Document, Node};
 
@@ -100,12 +101,16 @@ pub(super) struct Cascade<'a> {
 
 impl<'a> Cascade<'a> {
     /// `injected` comes before the drawing's own.
-    pub(super) fn new(xml: &'a Document<'a>, injected: Option<&'a str>) -> Cascade<'a> {
+    ///
+    /// # Errors
+    /// Those of [`check_selectors`].
+    pub(super) fn new(xml: &'a Document<'a>, injected: Option<&'a str>) -> Result<Cascade<'a>, Error> {
         let mut sheet = StyleSheet::new();
         for text in injected.into_iter().chain(style_texts(xml)) {
             sheet.parse_more(text);
         }
-        Cascade { sheet }
+        check_selectors(xml, &sheet)?;
+        Ok(Cascade { sheet })
     }
 
     /// All declarations for an element, the weakest first, but for attributes.

@@ -114,7 +114,7 @@ impl Timeline {
         let text = load::text(bytes, &options.limits)?;
         let xml = load::parse_xml(&text)?;
         let injected = options.usvg.style_sheet.as_deref();
-        let cascade = Cascade::new(&xml, injected);
+        let cascade = Cascade::new(&xml, injected)?;
         let mut unevaluated = Unevaluated::default();
         for script in xml.descendants().filter(|node| ["script", "discard"].contains(&node.tag_name().name()))
         {

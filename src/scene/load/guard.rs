@@ -3,8 +3,9 @@
 //!
 //! Promises: linear time and memory in the document and its links, and no recursion.
 
-use super::links::{self, index, Link, Place};
-use super::{arcs, Limits};
+use super::links::{index, Finder, Link, Place};
+use super::{arcs, unread, Limits};
+use crate::scene::Warning;
 use crate::Error;
 use usvg::roxmltree::{Document, Node, NodeId};
 
@@ -20,6 +21,8 @@ pub(super) struct Census {
     pub(super) depth: usize,
     /// Links which close a circle.
     pub(super) circles: Vec<Place>,
+    /// What the parser leaves out without a word.
+    pub(super) unread: Vec<Warning>,
 }
 
 /// Counts, and refuses what is too much.
@@ -29,7 +32,8 @@ pub(super) struct Census {
 /// closes.
 pub(super) fn check(xml: &Document, style_sheet: Option<&str>, limits: &Limits) -> Result<Census, Error> {
     arcs::check(xml)?;
-    let links = links::find(xml, style_sheet)?;
+    let finder = Finder::new(xml, style_sheet)?;
+    let links = finder.links(xml);
     let has_text = xml.descendants().any(|n| n.is_element() && n.tag_name().name() == "text");
     let from_gradient = |link: &&Link| xml.get_node(NodeId::from(link.from as u32)).is_some_and(is_gradient);
     let mut gradients: Vec<_> = links.iter().filter(from_gradient).map(|link| (link.to, link.from)).collect();
@@ -44,7 +48,7 @@ pub(super) fn check(xml: &Document, style_sheet: Option<&str>, limits: &Limits) 
             limits.elements
         )));
     }
-    Ok(Census { has_text, depth: root.depth, circles })
+    Ok(Census { has_text, depth: root.depth, circles, unread: unread::find(xml, &finder) })
 }
 
 /// `text` with these links cut.

@@ -6,7 +6,7 @@
 use super::selectors;
 use crate::Error;
 use simplecss::{DeclarationTokenizer, StyleSheet};
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 use usvg::roxmltree::{Attribute, Document, Node, NodeId};
 
@@ -44,31 +44,18 @@ pub(super) struct Place {
     pub(super) instead: &'static str,
 }
 
-/// All links of `xml`, sorted by the element that has them.
-///
-/// # Errors
-/// Those of [`selectors::check`].
-pub(super) fn find(xml: &Document, injected: Option<&str>) -> Result<Vec<Link>, Error> {
-    let finder = Finder::new(xml, injected);
-    selectors::check(xml, &finder.styles)?;
-    let mut links = Vec::new();
-    for node in xml.descendants().filter(Node::is_element) {
-        finder.links_of(node, &mut links);
-    }
-    // Already in order but for what is inherited; stable, so that a run is deterministic.
-    links.sort_by_key(|link| link.from);
-    Ok(links)
-}
-
 pub(super) fn index(id: NodeId) -> usize {
     id.get_usize()
 }
 
-struct Finder<'a> {
+/// What elements are called and what style sheets say of them.
+pub(super) struct Finder<'a> {
     /// The parser takes the first element of an id for `href`, the last for `url(#…)`.
     first: HashMap<&'a str, Node<'a, 'a>>,
     last: HashMap<&'a str, Node<'a, 'a>>,
     styles: StyleSheet<'a>,
+    /// The properties that these speak of.
+    styled: HashSet<&'a str>,
     styles_link: bool,
     text: &'a str,
     /// For each node: elements below it with itself, and vertices of the paths among them.
@@ -76,7 +63,9 @@ struct Finder<'a> {
 }
 
 impl<'a> Finder<'a> {
-    fn new(xml: &'a Document<'a>, injected: Option<&'a str>) -> Finder<'a> {
+    /// # Errors
+    /// Those of [`selectors::check`].
+    pub fn new(xml: &'a Document<'a>, injected: Option<&'a str>) -> Result<Finder<'a>, Error> {
         let mut first = HashMap::new();
         let mut last = HashMap::new();
         for node in xml.descendants() {
@@ -90,9 +79,27 @@ impl<'a> Finder<'a> {
         for node in xml.descendants().filter(|n| n.tag_name().name() == "style") {
             styles.parse_more(node.text().unwrap_or_default());
         }
-        let styles_link =
-            styles.rules.iter().flat_map(|rule| &rule.declarations).any(|d| d.value.contains("url("));
-        Finder { first, last, styles, styles_link, text: xml.input_text(), sizes: sizes(xml) }
+        selectors::check(xml, &styles)?;
+        let declarations = || styles.rules.iter().flat_map(|rule| &rule.declarations);
+        let styles_link = declarations().any(|d| d.value.contains("url("));
+        let styled = declarations().map(|d| d.name).collect();
+        Ok(Finder { first, last, styles, styled, styles_link, text: xml.input_text(), sizes: sizes(xml) })
+    }
+
+    /// All links, sorted by the element that has them.
+    pub fn links(&self, xml: &'a Document<'a>) -> Vec<Link> {
+        let mut links = Vec::new();
+        for node in xml.descendants().filter(Node::is_element) {
+            self.links_of(node, &mut links);
+        }
+        // Already in order but for what is inherited; stable, so that a run is deterministic.
+        links.sort_by_key(|link| link.from);
+        links
+    }
+
+    /// The element that `url(#…)` finds.
+    pub fn target(&self, id: &str) -> Option<Node<'a, 'a>> {
+        self.last.get(id).copied()
     }
 
     fn links_of(&self, node: Node<'a, 'a>, links: &mut Vec<Link>) {
@@ -113,7 +120,7 @@ impl<'a> Finder<'a> {
             }
         }
         if self.styles_link {
-            for declaration in self.styled(node) {
+            for declaration in self.declarations(node) {
                 self.declared(node, declaration.name, declaration.value, &|_| None, links);
             }
         }
@@ -199,16 +206,26 @@ impl<'a> Finder<'a> {
     }
 
     /// The value that this element itself gives to a property.
-    fn value(&self, node: Node<'a, 'a>, name: &str) -> Option<&'a str> {
+    pub fn value(&self, node: Node<'a, 'a>, name: &str) -> Option<&'a str> {
         let in_style = DeclarationTokenizer::from(node.attribute("style").unwrap_or_default())
             .filter(|d| d.name == name)
             .map(|d| d.value)
             .last();
-        let in_sheet = || self.styled(node).filter(|d| d.name == name).map(|d| d.value).last();
+        let in_sheet = || {
+            let own = self.declarations(node).filter(|d| d.name == name).map(|d| d.value);
+            if self.styled.contains(name) {
+                own.last()
+            } else {
+                None
+            }
+        };
         in_style.or_else(in_sheet).or_else(|| node.attribute(name)).filter(|value| *value != "inherit")
     }
 
-    fn styled<'s>(&'s self, node: Node<'a, 'a>) -> impl Iterator<Item = &'s simplecss::Declaration<'a>> {
+    fn declarations<'s>(
+        &'s self,
+        node: Node<'a, 'a>,
+    ) -> impl Iterator<Item = &'s simplecss::Declaration<'a>> {
         let rules = self.styles.rules.iter().filter(move |rule| rule.selector.matches(&Styled(node)));
         rules.flat_map(|rule| &rule.declarations)
     }
@@ -230,7 +247,7 @@ impl<'a> Finder<'a> {
 }
 
 /// The ids in `url(#id)`, `url('#id')` and `url("#id")`.
-fn urls(value: &str) -> impl Iterator<Item = &str> {
+pub(super) fn urls(value: &str) -> impl Iterator<Item = &str> {
     value.split("url(").skip(1).filter_map(|rest| {
         let inside = rest.split(')').next()?;
         inside.trim().trim_matches(['\'', '"']).trim().strip_prefix('#')

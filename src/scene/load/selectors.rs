@@ -8,16 +8,17 @@ use usvg::roxmltree::{Document, Node};
 /// Ways in which one selector may be tried on all elements together: a few seconds.
 const MOST_WAYS: f64 = 5e7;
 
+/// Looks at the style sheets of a document before anybody matches them.
+///
 /// # Errors
 /// [`Error::Limit`] for a selector with too many elements around one another in a document that is nested deep.
-pub(super) fn check(xml: &Document, styles: &StyleSheet) -> Result<(), Error> {
-    let longest = styles.rules.iter().max_by_key(|rule| elements_around(&rule.selector));
-    let Some((rule, around)) = longest.map(|rule| (rule, elements_around(&rule.selector))) else {
+pub(crate) fn check(xml: &Document, styles: &StyleSheet) -> Result<(), Error> {
+    let selectors = styles.rules.iter().map(|rule| (elements_around(&rule.selector), &rule.selector));
+    let Some((around, longest)) =
+        selectors.max_by_key(|(around, _)| *around).filter(|(around, _)| *around > 1)
+    else {
         return Ok(());
     };
-    if around < 2 {
-        return Ok(());
-    }
     let mut by_depth = Vec::new();
     for depth in xml.descendants().filter(Node::is_element).map(|node| node.ancestors().skip(1).count()) {
         by_depth.resize(by_depth.len().max(depth + 1), 0.0);
@@ -34,7 +35,7 @@ pub(super) fn check(xml: &Document, styles: &StyleSheet) -> Result<(), Error> {
     Err(Error::Limit(format!(
         "its style sheet has selectors like '{}', with up to {around} elements around one another, which would be \
          tried in too many ways, as elements are nested {} deep (use classes, or '>' between elements)",
-        rule.selector,
+        longest,
         by_depth.len() - 1,
     )))
 }
@@ -52,7 +53,7 @@ fn elements_around(selector: &Selector) -> usize {
         .collect();
     let parts = outside.split_whitespace();
     let direct = parts.clone().filter(|part| matches!(*part, ">" | "+")).count();
-    (parts.count() - 1).saturating_sub(2 * direct)
+    parts.count().saturating_sub(1 + 2 * direct)
 }
 
 /// Ways to choose so many of `from`.
