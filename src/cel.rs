@@ -15,6 +15,7 @@
 
 mod blends;
 mod groups;
+mod partition;
 mod sheets;
 mod waiting;
 

@@ -36,6 +36,8 @@ pub(crate) struct Entry<P> {
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Kind {
     Sheet(Sheet),
+    /// All that is seen where it lies, however much light it lets through.
+    Knockout(Sheet),
     /// A shape's number.
     Gradient(u32),
     /// A blended group of one colour. Its backdrop follows.
@@ -207,6 +209,7 @@ impl ZLists<'_> {
             let node = (entry.part != WHOLE).then_some(entry.part);
             match entry.kind {
                 Kind::Sheet(sheet) => resolver.push_sheet(sheet, node, self),
+                Kind::Knockout(sheet) => resolver.push_knockout(sheet, node, self),
                 Kind::Gradient(shape) => resolver.push_gradient(shape, node, self),
                 Kind::Blended(mode, source) => resolver.push(Item::Blended(mode, source)),
                 Kind::GroupStart(composite) => resolver.push(Item::GroupStart(composite)),

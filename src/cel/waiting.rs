@@ -10,7 +10,7 @@ use super::blends::Blends;
 use super::groups::Content;
 use super::Cel;
 use crate::bitmap::{for_bits, for_runs, word_masks};
-use crate::coverage::{Part, Parts};
+use crate::coverage::Parts;
 use crate::scene::paint::Sheet;
 use crate::zlist::Entry;
 use usvg::BlendMode;
@@ -128,7 +128,7 @@ impl Cel {
             let blends = &mut waiting.blends;
             blends.start(mode, background);
             for run in waiting.runs.drain(first_run..) {
-                self.resume_run(run, blends, entries);
+                self.resume_run(run, blends, parts, entries);
             }
             for Pixel { at: (row, x), before, source } in waiting.pixels.drain(first_pixel..) {
                 let behind = self.content(row, x);
@@ -140,33 +140,37 @@ impl Cel {
         self.waiting = waiting;
     }
 
-    fn resume_run<P: Part>(
+    fn resume_run<A: Parts>(
         &mut self,
         Run { row, from, to, before, source }: Run,
         blends: &mut Blends,
-        entries: &mut Vec<Entry<P>>,
+        parts: &mut A,
+        entries: &mut Vec<Entry<A::Part>>,
     ) {
         let nothing_before = before.is_same(Sheet::CLEAR);
+        let seen = |blends: &mut Blends, behind: Sheet| match nothing_before {
+            true => blends.of(source, behind),
+            false => before.over(blends.of(source, behind)),
+        };
         for (word, mask) in word_masks(from, to) {
             let (_, uniform, listed) = self.states(row, word);
             for_runs(mask & !(uniform | listed), |a, b| {
-                let sheet = before.over(blends.of(source, Sheet::CLEAR));
-                self.sheets.fill((row, word), (a, b), sheet);
+                self.sheets.fill((row, word), (a, b), seen(blends, Sheet::CLEAR));
             });
             for_runs(mask & uniform, |a, b| {
-                self.sheets
-                    .change((row, word), (a, b), |_, _, behind| before.over(blends.of(source, behind)));
+                self.sheets.change((row, word), (a, b), |_, _, behind| seen(blends, behind));
             });
             self.covered.row_mut(row)[word] |= mask & !listed;
             for_bits(mask & listed, |x| {
                 let at = (row, word * 64 + x);
-                let behind = self.content(at.0, at.1);
-                // So it is with most pixels where many groups are blended.
-                if nothing_before && blends.in_place(source, behind, entries) {
-                    return;
+                let mut behind = self.content(at.0, at.1);
+                if behind.is_partition(entries) {
+                    behind.repaint(|sheet| seen(blends, sheet), entries);
+                    self.lists[at.0 * self.width + at.1] = (behind.first, behind.last);
+                } else {
+                    let blended = blends.of_lists((Content::of_sheet(source), 1.0), behind, parts, entries);
+                    self.put(at, Content::of_sheet(before).before(blended, entries));
                 }
-                let blended = blends.before_list(source, behind, entries);
-                self.put(at, Content::of_sheet(before).before(blended, entries));
             });
         }
     }

@@ -177,10 +177,11 @@ pub(crate) fn resolve<B: Bits>(
     let mut shares = Shares { mean: Mean::default(), done: 0, spent: 0, count: all.count().into() };
     let mut remaining = all;
     let mut next = head.first;
-    // As long as fragments are opaque and of one colour, each has what those before it left.
+    // As long as nothing is seen behind fragments, and they are of one colour, each has what those before it left.
     while let Some(entry) = entries.get(next as usize) {
         let sheet = match entry.kind {
             Kind::Sheet(sheet) if sheet.is_opaque() => sheet,
+            Kind::Knockout(sheet) => sheet.over(around.background),
             _ => {
                 let rest = Head { front: head.front, first: next };
                 resolve_rest(rest, entries, remaining, middle, at, around, &mut shares);
@@ -283,6 +284,10 @@ impl<B: Bits> Composer<'_, B> {
                 Kind::Sheet(sheet) => {
                     *region = *region & entry.part;
                     tree.paint(sheet);
+                }
+                Kind::Knockout(sheet) => {
+                    *region = *region & entry.part;
+                    tree.knock_out(sheet);
                 }
                 Kind::Gradient(shape) => {
                     *region = *region & entry.part;

@@ -67,9 +67,8 @@ struct Open {
     /// What stands in front of it.
     before: Sheet,
     part: Part,
-    /// Nothing in it can be seen.
+    /// What the tree says of what is around it.
     hidden: bool,
-    /// Was `before` vague?
     vague: bool,
 }
 
@@ -87,6 +86,8 @@ enum Part {
 #[derive(Debug)]
 pub(crate) struct PaintTree {
     front: Sheet,
+    /// Is nothing that comes next in the innermost group seen, whatever `front` is?
+    hidden: bool,
     /// Does `front` stand in for a colour that is not known yet?
     vague: bool,
     open: Vec<Open>,
@@ -101,20 +102,20 @@ impl Default for PaintTree {
 impl PaintTree {
     /// Behind a sheet.
     pub fn behind(front: Sheet) -> PaintTree {
-        PaintTree { front, vague: false, open: Vec::new() }
+        PaintTree { front, hidden: false, vague: false, open: Vec::new() }
     }
 
     /// Starts anew.
     #[inline]
     pub fn clear(&mut self) {
-        (self.front, self.vague) = (Sheet::CLEAR, false);
+        (self.front, self.hidden, self.vague) = (Sheet::CLEAR, false, false);
         self.open.clear();
     }
 
     /// Would nothing be seen of what comes next?
     #[inline]
     pub fn is_hidden(&self) -> bool {
-        self.front.through() < NEGLIGIBLE || self.open.last().is_some_and(|open| open.hidden)
+        self.front.through() < NEGLIGIBLE || self.hidden
     }
 
     /// Has nothing been painted yet, nor a group started?
@@ -126,12 +127,19 @@ impl PaintTree {
     /// Would nothing be seen of whatever comes?
     #[inline]
     pub fn is_done(&self) -> bool {
-        self.front.through() < NEGLIGIBLE && self.open.is_empty()
+        self.is_hidden() && self.open.is_empty()
     }
 
     #[inline]
     pub fn paint(&mut self, sheet: Sheet) {
         self.front = self.front.over(sheet);
+    }
+
+    /// Paints a sheet with nothing behind it in the innermost group.
+    #[inline]
+    pub fn knock_out(&mut self, sheet: Sheet) {
+        self.paint(sheet);
+        self.hidden = true;
     }
 
     /// Paints a sheet that lets no less light through than one not known yet.
@@ -155,14 +163,14 @@ impl PaintTree {
     #[inline]
     fn push(&mut self, part: Part, hidden: bool) {
         let hidden = hidden || self.is_hidden();
-        self.open.push(Open { before: self.front, part, hidden, vague: self.vague });
-        (self.front, self.vague) = (Sheet::CLEAR, false);
+        self.open.push(Open { before: self.front, part, hidden: self.hidden, vague: self.vague });
+        (self.front, self.hidden, self.vague) = (Sheet::CLEAR, hidden, false);
     }
 
     /// Goes back to what stands before the innermost group, and gives its part.
     fn pop(&mut self) -> Part {
         let open = self.open.pop().expect("groups end after they start");
-        self.front = open.before;
+        (self.front, self.hidden) = (open.before, open.hidden);
         self.vague |= open.vague;
         open.part
     }

@@ -46,7 +46,9 @@ enum Formula {
 pub(crate) enum Item {
     /// A sheet of one colour over all of the pixel, or where the formula holds.
     Sheet(Sheet, Option<usize>),
-    /// The same with a gradient, by its shape's number. With it goes what the integrator knows the lines by at which
+    /// The same, and nothing behind it is seen there.
+    Knockout(Sheet, Option<usize>),
+    /// A sheet with a gradient, by its shape's number. With it goes what the integrator knows the lines by at which
     /// the gradient jumps in the pixel, if there are any.
     Gradient(u32, Option<usize>, Option<usize>),
     /// A blended group of one colour. Its backdrop follows.
@@ -135,6 +137,11 @@ impl Resolver {
     pub fn push_sheet(&mut self, sheet: Sheet, node: Option<u32>, lists: &ZLists) {
         let formula = node.map(|node| self.formula(node, lists));
         self.items.push(Item::Sheet(sheet, formula));
+    }
+
+    pub fn push_knockout(&mut self, sheet: Sheet, node: Option<u32>, lists: &ZLists) {
+        let formula = node.map(|node| self.formula(node, lists));
+        self.items.push(Item::Knockout(sheet, formula));
     }
 
     pub fn push_gradient(&mut self, shape: u32, node: Option<u32>, lists: &ZLists) {
@@ -373,6 +380,11 @@ impl Resolver {
                 Item::Sheet(sheet, formula) => {
                     if self.holds(formula, known)? {
                         tree.paint(sheet);
+                    }
+                }
+                Item::Knockout(sheet, formula) => {
+                    if self.holds(formula, known)? {
+                        tree.knock_out(sheet);
                     }
                 }
                 Item::Blended(mode, source) => tree.blend(mode, source),

@@ -56,7 +56,8 @@ impl Sheet {
     /// Bit by bit.
     #[inline]
     pub fn is_same(self, other: Sheet) -> bool {
-        self.channels.map(f32::to_bits) == other.channels.map(f32::to_bits)
+        let differing = |i: usize| self.channels[i].to_bits() ^ other.channels[i].to_bits();
+        (0..4).fold(0, |any, i| any | differing(i)) == 0
     }
 
     /// This sheet at less opacity.

@@ -1,11 +1,12 @@
 //! Lists of a few fragments within groups: takes one, makes the pixel's colour by the closed form for
-//! fragments ([`crate::pixel::few`]) and one walk through the paint tree for each set of them.
+//! fragments ([`crate::pixel::few`]) and one walk through the paint tree for each set of them, or in a partition
+//! ([`crate::cel`]) one look for what is seen there.
 //!
 //! Along a border pixel after pixel has the same list but for its fragments' areas. So the colours of the
 //! sets are kept with the list, and a tree of groups is walked through once for many pixels.
 
-use super::{Borders, Head, Kind, ZLists, WHOLE};
-use crate::pixel::few::MOST_LEAVES;
+use super::{Borders, Entry, Head, Kind, ZLists, WHOLE};
+use crate::pixel::few::{Areas, MOST_LEAVES};
 use crate::pixel::fragment::{Fragment, PIXEL_AREA};
 use crate::pixel::paint_tree::{Composite, Effect, PaintTree};
 use crate::pixel::resolve::{Mean, Node, Resolver, Surroundings};
@@ -53,6 +54,8 @@ struct Reading {
     hash: u64,
     /// For each entry the set of fragments in all of which it lies, a bit for each.
     sets: Vec<u8>,
+    /// Of a partition, front to back: the set of fragments in all of which each lies, and what is seen there.
+    regions: Vec<(u8, Sheet)>,
     /// The fragments' places in the list of all nodes.
     leaves: [u32; MOST_LEAVES],
     leaf_count: usize,
@@ -62,6 +65,7 @@ impl Reading {
     #[inline]
     fn clear(&mut self) {
         self.sets.clear();
+        self.regions.clear();
         (self.hash, self.leaf_count) = (0, 0);
     }
 
@@ -114,6 +118,10 @@ fn key_of(kind: &Kind, set: u8) -> Key {
             let [a, b] = bits(sheet);
             [a, b, u64::from(set)]
         }
+        Kind::Knockout(sheet) => {
+            let [a, b] = bits(sheet);
+            [a, b, 5 << 8 | u64::from(set)]
+        }
         Kind::Blended(mode, sheet) => {
             let [a, b] = bits(sheet);
             [a, b, 1 << 8 | (mode as u64) << 16]
@@ -135,32 +143,24 @@ fn key_of(kind: &Kind, set: u8) -> Key {
 impl ZLists<'_> {
     /// The colour of a pixel with a few fragments and groups, or `None` if this is not so.
     pub fn few_in_groups(&self, head: Head, around: &Surroundings, resolver: &mut Resolver) -> Option<Mean> {
-        let colors = &mut resolver.known_colors;
-        self.read_few(head, &mut colors.reading)?;
-        let (leaves, count) = (colors.reading.leaves, colors.reading.leaf_count);
-        let mut areas = [0; 1 << MOST_LEAVES];
-        match leaves[..count] {
-            [] => areas[0] = PIXEL_AREA,
-            [leaf] => {
-                let area = self.fragment(leaf)?.area();
-                (areas[0], areas[1]) = (PIXEL_AREA - area, area);
-                resolver.counts.one_fragment += 1;
-            }
-            ref leaves => {
-                resolver.few.clear();
-                for &leaf in leaves {
-                    if !resolver.few.add(self.fragment(leaf)?, self.pieces) {
-                        return None;
-                    }
-                }
-                areas = resolver.few.areas()?;
-                resolver.counts.few += 1;
-            }
-        }
-        let KnownColors { kept, reading, tree } = colors;
-        let mut kept = reading.find(kept, around.background);
+        let first = self.entries.get(head.first as usize)?;
         let mut mean = Mean::default();
-        for (set, &area) in areas[..1 << count].iter().enumerate().filter(|(_, &area)| area > 0) {
+        if matches!(first.kind, Kind::Knockout(_)) {
+            self.read_partition(head, &mut resolver.known_colors.reading)?;
+            let areas = self.areas_of_sets(resolver)?;
+            let regions = &resolver.known_colors.reading.regions;
+            for (set, area) in some_area(&areas) {
+                let region = regions.iter().find(|(own, _)| set & usize::from(*own) == usize::from(*own));
+                let seen = region.map_or(Sheet::CLEAR, |&(_, sheet)| sheet);
+                mean.add(head.front.over(seen.over(around.background)), area, around.linear);
+            }
+            return Some(mean);
+        }
+        self.read_few(head, &mut resolver.known_colors.reading)?;
+        let areas = self.areas_of_sets(resolver)?;
+        let KnownColors { kept, reading, tree } = &mut resolver.known_colors;
+        let mut kept = reading.find(kept, around.background);
+        for (set, area) in some_area(&areas) {
             let color = match &mut kept {
                 Some(kept) if kept.known >> set & 1 != 0 => kept.colors[set],
                 _ => self.composed(head, &reading.sets, set, around.background, tree),
@@ -172,6 +172,29 @@ impl ZLists<'_> {
             mean.add(color, area, around.linear);
         }
         Some(mean)
+    }
+
+    /// The areas of the sets of those fragments that have been read.
+    fn areas_of_sets(&self, resolver: &mut Resolver) -> Option<Areas> {
+        let reading = &resolver.known_colors.reading;
+        match reading.leaves[..reading.leaf_count] {
+            [] => Some(areas_of_one(0)),
+            [leaf] => {
+                resolver.counts.one_fragment += 1;
+                Some(areas_of_one(self.fragment(leaf)?.area()))
+            }
+            ref leaves => {
+                resolver.few.clear();
+                for &leaf in leaves {
+                    if !resolver.few.add(self.fragment(leaf)?, self.pieces) {
+                        return None;
+                    }
+                }
+                let areas = resolver.few.areas()?;
+                resolver.counts.few += 1;
+                Some(areas)
+            }
+        }
     }
 
     #[inline]
@@ -193,15 +216,36 @@ impl ZLists<'_> {
             next = entry.next;
             let set = match entry.kind {
                 Kind::Gradient(_) => return None,
-                _ if entry.part == WHOLE => EVERYWHERE,
-                _ => match self.fragment(entry.part) {
-                    Some(fragment) => reading.leaf(entry.part, fragment, self)?,
-                    None => reading.set(entry.part, self)?,
-                },
+                _ => self.set_of(entry.part, reading)?,
             };
             reading.push(key_of(&entry.kind, set), set);
         }
         Some(())
+    }
+
+    /// `None` if the partition has too many fragments.
+    #[inline]
+    fn read_partition(&self, head: Head, reading: &mut Reading) -> Option<()> {
+        reading.clear();
+        let mut next = head.first;
+        while let Some(&Entry { next: after, part, kind: Kind::Knockout(sheet) }) =
+            self.entries.get(next as usize)
+        {
+            next = after;
+            let set = self.set_of(part, reading)?;
+            reading.regions.push((set, sheet));
+        }
+        Some(())
+    }
+
+    /// The set of fragments in all of which an entry lies; `None` as for [`Reading::set`].
+    #[inline]
+    fn set_of(&self, part: u32, reading: &mut Reading) -> Option<u8> {
+        match self.fragment(part) {
+            _ if part == WHOLE => Some(EVERYWHERE),
+            Some(fragment) => reading.leaf(part, fragment, self),
+            None => reading.set(part, self),
+        }
     }
 
     /// The colour of a region that lies in a set of fragments.
@@ -227,12 +271,25 @@ impl ZLists<'_> {
                 _ if tree.is_hidden() => {}
                 Kind::Blended(mode, source) => tree.blend(mode, source),
                 Kind::Sheet(sheet) if set & usize::from(own) == usize::from(own) => tree.paint(sheet),
-                Kind::Sheet(_) => {}
+                Kind::Knockout(sheet) if set & usize::from(own) == usize::from(own) => tree.knock_out(sheet),
+                Kind::Sheet(_) | Kind::Knockout(_) => {}
                 Kind::Gradient(_) => unreachable!("lists with gradients are not read"),
             }
         }
         tree.over(background)
     }
+}
+
+/// The areas of what lies outside and inside one fragment.
+fn areas_of_one(area: i64) -> Areas {
+    let mut areas = [0; 1 << MOST_LEAVES];
+    (areas[0], areas[1]) = (PIXEL_AREA - area, area);
+    areas
+}
+
+/// Sets with their areas, without those that are nowhere.
+fn some_area(areas: &Areas) -> impl Iterator<Item = (usize, i64)> + '_ {
+    areas.iter().copied().enumerate().filter(|&(_, area)| area > 0)
 }
 
 /// Have two fragments of one area the same border too?

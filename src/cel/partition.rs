@@ -1,0 +1,155 @@
+//! Makes a partition of what a pixel holds: a list of knock-outs, each of which is all that is seen where it lies
+//! and none of those before it does. Then whatever is blended with the pixel makes of each knock-out another, and
+//! the list stays as short as it was, however many sources are blended with it.
+
+use super::groups::Content;
+use crate::coverage::{Part, Parts};
+use crate::scene::paint::Sheet;
+use crate::zlist::{Entry, Kind};
+
+/// Knock-outs of a list at most: four borders, as many as have a closed form, part a pixel in as many regions.
+const MOST_REGIONS: usize = 16;
+
+/// Entries of a list of which a partition is made. Most that are longer have too many regions.
+const MOST_LAYERS: usize = 16;
+
+impl Content {
+    /// A knock-out. Nothing is seen of it where no others lie, if it is clear.
+    fn of_region<P: Part>(part: P, sheet: Sheet, entries: &mut Vec<Entry<P>>) -> Content {
+        let mut content = Content::of_sheet(Sheet::CLEAR);
+        content.push_part(part, Kind::Knockout(sheet), entries);
+        content
+    }
+
+    /// Is it a partition, behind nothing? Knock-outs come only in partitions.
+    #[inline]
+    pub fn is_partition<P: Part>(&self, entries: &[Entry<P>]) -> bool {
+        let first = entries.get(self.first as usize);
+        self.sheet.is_same(Sheet::CLEAR) && first.is_some_and(|entry| matches!(entry.kind, Kind::Knockout(_)))
+    }
+
+    /// Makes another sheet of that of each region, those of the last one's that is clear included. The rest of the
+    /// pixel is clear before.
+    #[inline]
+    pub fn repaint<P: Part>(&mut self, mut new: impl FnMut(Sheet) -> Sheet, entries: &mut Vec<Entry<P>>) {
+        let mut next = self.first;
+        let mut covers = false;
+        while let Some(entry) = entries.get_mut(next as usize) {
+            if let Kind::Knockout(sheet) = &mut entry.kind {
+                *sheet = new(*sheet);
+            }
+            covers = entry.part == P::WHOLE;
+            next = entry.next;
+        }
+        if !covers {
+            let rest = new(Sheet::CLEAR);
+            if !rest.is_same(Sheet::CLEAR) {
+                self.push(Kind::Knockout(rest), entries);
+            }
+        }
+    }
+
+    /// Makes it a partition; `false` if it is too long, has groups or gradients.
+    pub fn make_partition<A: Parts>(&mut self, parts: &mut A, entries: &mut Vec<Entry<A::Part>>) -> bool {
+        let front = std::mem::replace(&mut self.sheet, Sheet::CLEAR);
+        let done = self.is_partition(entries) || self.part_layers(parts, entries);
+        match done {
+            true if !front.is_same(Sheet::CLEAR) => self.repaint(|sheet| front.over(sheet), entries),
+            true => {}
+            false => self.sheet = front,
+        }
+        done
+    }
+
+    /// The same without what lies before the list.
+    fn part_layers<A: Parts>(&mut self, parts: &mut A, entries: &mut Vec<Entry<A::Part>>) -> bool {
+        let mut layers = [(A::Part::WHOLE, Sheet::CLEAR, false); MOST_LAYERS];
+        let mut count = 0;
+        let mut next = self.first;
+        while let Some(entry) = entries.get(next as usize) {
+            let (sheet, hides) = match entry.kind {
+                Kind::Sheet(sheet) => (sheet, sheet.is_opaque()),
+                Kind::Knockout(sheet) => (sheet, true),
+                _ => return false,
+            };
+            let Some(layer) = layers.get_mut(count) else {
+                return false;
+            };
+            *layer = (entry.part, sheet, hides);
+            count += 1;
+            next = entry.next;
+        }
+        let mut all = Content::of_sheet(Sheet::CLEAR);
+        for &(part, sheet, hides) in layers[..count].iter().rev() {
+            let whole = part == A::Part::WHOLE;
+            if whole && !hides && !all.is_uniform() {
+                all.repaint(|behind| sheet.over(behind), entries);
+                continue;
+            }
+            let layer = Content::of_region(part, sheet, entries);
+            let over = match () {
+                () if whole || all.is_uniform() => Some(layer),
+                () if hides => Some(layer.before(all, entries)),
+                () => layer.over_partition(all, Sheet::over, parts, entries),
+            };
+            match over {
+                Some(over) => all = over,
+                None => return false,
+            }
+        }
+        *self = all;
+        true
+    }
+
+    /// A partition in front of another: `both` makes the sheet of what lies in a region of each, or in none behind.
+    /// `None` if there are too many.
+    pub fn over_partition<A: Parts>(
+        self,
+        behind: Content,
+        mut both: impl FnMut(Sheet, Sheet) -> Sheet,
+        parts: &mut A,
+        entries: &mut Vec<Entry<A::Part>>,
+    ) -> Option<Content> {
+        let whole = A::Part::WHOLE;
+        let ((own, covers), (others, is_closed)) = (self.regions(entries), behind.regions(entries));
+        let alone = if is_closed { 0 } else { own } + if covers { 0 } else { others };
+        if own * others + alone > MOST_REGIONS {
+            return None;
+        }
+        let mut content = Content::of_sheet(Sheet::CLEAR);
+        let mut next = self.first;
+        while let Some(&Entry { next: after, part, kind: Kind::Knockout(sheet) }) = entries.get(next as usize) {
+            next = after;
+            let mut other = behind.first;
+            while let Some(&Entry { next, part: within, kind: Kind::Knockout(behind) }) =
+                entries.get(other as usize)
+            {
+                other = next;
+                let shared = match (part, within) {
+                    (part, within) if within == whole => part,
+                    (part, within) if part == whole => within,
+                    (part, within) => parts.both(part, within),
+                };
+                content.push_part(shared, Kind::Knockout(both(sheet, behind)), entries);
+            }
+            if !is_closed {
+                content.push_part(part, Kind::Knockout(both(sheet, Sheet::CLEAR)), entries);
+            }
+        }
+        Some(match covers {
+            true => content,
+            false => content.before(behind, entries),
+        })
+    }
+
+    /// How many knock-outs a partition has, and whether they cover the pixel.
+    fn regions<P: Part>(&self, entries: &[Entry<P>]) -> (usize, bool) {
+        let (mut count, mut covers) = (0, false);
+        let mut next = self.first;
+        while let Some(entry) = entries.get(next as usize) {
+            (next, covers) = (entry.next, entry.part == P::WHOLE);
+            count += 1;
+        }
+        (count, covers)
+    }
+}
