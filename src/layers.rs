@@ -272,7 +272,7 @@ impl Artist<'_> {
             }
         }
         for (source, &behind) in layer.pixels_mut().iter_mut().zip(backdrop.pixels()) {
-            *source = blend::own_color(mode, *source, behind);
+            *source = blend::Source::new(mode, *source).own_color(behind);
         }
         Ok(())
     }

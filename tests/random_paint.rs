@@ -52,6 +52,11 @@ fn masks_and_blend_modes_are_true() {
 }
 
 #[test]
+fn stacks_of_blended_shapes_are_true() {
+    assert_true(Kinds { opacity: true, stack: 16, ..Kinds::default() }, 0..24);
+}
+
+#[test]
 fn patterns_of_flat_shapes_are_true() {
     assert_true(Kinds { opacity: true, clips: true, patterns: true, ..Kinds::default() }, 0..24);
 }

@@ -14,7 +14,7 @@ const MOST_REGIONS: usize = 16;
 const MOST_LAYERS: usize = 16;
 
 impl Content {
-    /// A knock-out. Nothing is seen of it where no others lie, if it is clear.
+    /// One knock-out.
     fn of_region<P: Part>(part: P, sheet: Sheet, entries: &mut Vec<Entry<P>>) -> Content {
         let mut content = Content::of_sheet(Sheet::CLEAR);
         content.push_part(part, Kind::Knockout(sheet), entries);
@@ -28,8 +28,7 @@ impl Content {
         self.sheet.is_same(Sheet::CLEAR) && first.is_some_and(|entry| matches!(entry.kind, Kind::Knockout(_)))
     }
 
-    /// Makes another sheet of that of each region, those of the last one's that is clear included. The rest of the
-    /// pixel is clear before.
+    /// Makes another sheet of each region's, and one of the rest of the pixel, which was clear.
     #[inline]
     pub fn repaint<P: Part>(&mut self, mut new: impl FnMut(Sheet) -> Sheet, entries: &mut Vec<Entry<P>>) {
         let mut next = self.first;
@@ -118,7 +117,8 @@ impl Content {
         }
         let mut content = Content::of_sheet(Sheet::CLEAR);
         let mut next = self.first;
-        while let Some(&Entry { next: after, part, kind: Kind::Knockout(sheet) }) = entries.get(next as usize) {
+        while let Some(&Entry { next: after, part, kind: Kind::Knockout(sheet) }) = entries.get(next as usize)
+        {
             next = after;
             let mut other = behind.first;
             while let Some(&Entry { next, part: within, kind: Kind::Knockout(behind) }) =

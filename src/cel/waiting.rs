@@ -6,7 +6,7 @@
 //! wait in runs of pixels that are the same, so that they take room, and blending takes time, by what is
 //! visible of them.
 
-use super::blends::Blends;
+use super::blends::Blend;
 use super::groups::Content;
 use super::Cel;
 use crate::bitmap::{for_bits, for_runs, word_masks};
@@ -23,7 +23,6 @@ pub(super) struct Waiting {
     pixels: Vec<Pixel>,
     /// A bit for each row in which a source waits.
     rows: u64,
-    blends: Blends,
 }
 
 /// A source: its runs and pixels go from these to the next one's.
@@ -125,14 +124,13 @@ impl Cel {
     pub fn resume<A: Parts>(&mut self, background: Sheet, parts: &mut A, entries: &mut Vec<Entry<A::Part>>) {
         let mut waiting = std::mem::take(&mut self.waiting);
         while let Some(Source { mode, opacity, first_run, first_pixel }) = waiting.sources.pop() {
-            let blends = &mut waiting.blends;
-            blends.start(mode, background);
+            let blend = Blend { mode, background };
             for run in waiting.runs.drain(first_run..) {
-                self.resume_run(run, blends, parts, entries);
+                self.resume_run(run, blend, parts, entries);
             }
             for Pixel { at: (row, x), before, source } in waiting.pixels.drain(first_pixel..) {
                 let behind = self.content(row, x);
-                let blended = blends.of_lists((source, opacity), behind, parts, entries);
+                let blended = blend.of_lists((source, opacity), behind, parts, entries);
                 self.put((row, x), before.before(blended, entries));
             }
         }
@@ -143,32 +141,33 @@ impl Cel {
     fn resume_run<A: Parts>(
         &mut self,
         Run { row, from, to, before, source }: Run,
-        blends: &mut Blends,
+        blend: Blend,
         parts: &mut A,
         entries: &mut Vec<Entry<A::Part>>,
     ) {
         let nothing_before = before.is_same(Sheet::CLEAR);
-        let seen = |blends: &mut Blends, behind: Sheet| match nothing_before {
-            true => blends.of(source, behind),
-            false => before.over(blends.of(source, behind)),
+        let prepared = blend.source(source);
+        let seen = |behind: Sheet| match nothing_before {
+            true => blend.of(&prepared, behind),
+            false => before.over(blend.of(&prepared, behind)),
         };
         for (word, mask) in word_masks(from, to) {
             let (_, uniform, listed) = self.states(row, word);
             for_runs(mask & !(uniform | listed), |a, b| {
-                self.sheets.fill((row, word), (a, b), seen(blends, Sheet::CLEAR));
+                self.sheets.fill((row, word), (a, b), seen(Sheet::CLEAR));
             });
             for_runs(mask & uniform, |a, b| {
-                self.sheets.change((row, word), (a, b), |_, _, behind| seen(blends, behind));
+                self.sheets.change((row, word), (a, b), |_, _, behind| seen(behind));
             });
             self.covered.row_mut(row)[word] |= mask & !listed;
             for_bits(mask & listed, |x| {
                 let at = (row, word * 64 + x);
                 let mut behind = self.content(at.0, at.1);
                 if behind.is_partition(entries) {
-                    behind.repaint(|sheet| seen(blends, sheet), entries);
+                    behind.repaint(seen, entries);
                     self.lists[at.0 * self.width + at.1] = (behind.first, behind.last);
                 } else {
-                    let blended = blends.of_lists((Content::of_sheet(source), 1.0), behind, parts, entries);
+                    let blended = blend.of_lists((Content::of_sheet(source), 1.0), behind, parts, entries);
                     self.put(at, Content::of_sheet(before).before(blended, entries));
                 }
             });

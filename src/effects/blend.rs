@@ -5,42 +5,117 @@
 use super::layer::Pixel;
 use usvg::BlendMode;
 
-/// What is seen of `source` in front of `backdrop`.
-#[inline]
-pub(crate) fn blend(mode: BlendMode, source: Pixel, backdrop: Pixel) -> Pixel {
-    match mode {
-        BlendMode::Normal => over(source, backdrop),
-        BlendMode::PlusLighter => std::array::from_fn(|i| (source[i] + backdrop[i]).min(1.0)),
-        BlendMode::Multiply => separable(source, backdrop, multiply),
-        BlendMode::Screen => separable(source, backdrop, screen),
-        BlendMode::Overlay => separable(source, backdrop, |s, b| hard_light(b, s)),
-        BlendMode::Darken => separable(source, backdrop, least),
-        BlendMode::Lighten => separable(source, backdrop, most),
-        BlendMode::ColorDodge => separable(source, backdrop, color_dodge),
-        BlendMode::ColorBurn => separable(source, backdrop, color_burn),
-        BlendMode::HardLight => separable(source, backdrop, hard_light),
-        BlendMode::SoftLight => separable(source, backdrop, soft_light),
-        BlendMode::Difference => separable(source, backdrop, |s, b| (s - b).abs()),
-        BlendMode::Exclusion => separable(source, backdrop, |s, b| s + b - 2.0 * s * b),
-        BlendMode::Hue | BlendMode::Saturation | BlendMode::Color | BlendMode::Luminosity => {
-            composed(source, backdrop, |[sr, sg, sb, _], [br, bg, bb, _]| {
-                let [r, g, b] = non_separable(mode, [sr, sg, sb], [br, bg, bb]);
-                [r, g, b, 0.0]
-            })
+/// A colour that is blended with many backdrops.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Source {
+    /// Premultiplied.
+    pixel: Pixel,
+    /// Not premultiplied; the fourth component means nothing.
+    straight: Pixel,
+    seen: Seen,
+}
+
+/// What is seen in front of a backdrop, neither of them clear; the fourth component means nothing, that of the backdrop
+/// neither: with it, all are one vector. Its alpha comes after it.
+type Seen = fn(&Source, Pixel, f32) -> Pixel;
+
+impl Source {
+    pub fn new(mode: BlendMode, pixel: Pixel) -> Source {
+        let seen: Seen = match mode {
+            BlendMode::Normal => |source, backdrop, _| over(source.pixel, backdrop),
+            BlendMode::PlusLighter => {
+                |source, backdrop, _| each(|i| least(source.pixel[i] + backdrop[i], 1.0))
+            }
+            BlendMode::Multiply => |source, backdrop, alpha| source.separable(backdrop, alpha, multiply),
+            BlendMode::Screen => |source, backdrop, alpha| source.separable(backdrop, alpha, screen),
+            BlendMode::Overlay => {
+                |source, backdrop, alpha| source.separable(backdrop, alpha, |s, b| hard_light(b, s))
+            }
+            BlendMode::Darken => |source, backdrop, alpha| source.separable(backdrop, alpha, least),
+            BlendMode::Lighten => |source, backdrop, alpha| source.separable(backdrop, alpha, most),
+            BlendMode::ColorDodge => |source, backdrop, alpha| source.separable(backdrop, alpha, color_dodge),
+            BlendMode::ColorBurn => |source, backdrop, alpha| source.separable(backdrop, alpha, color_burn),
+            BlendMode::HardLight => |source, backdrop, alpha| source.separable(backdrop, alpha, hard_light),
+            BlendMode::SoftLight => |source, backdrop, alpha| source.separable(backdrop, alpha, soft_light),
+            BlendMode::Difference => {
+                |source, backdrop, alpha| source.separable(backdrop, alpha, |s, b| (s - b).abs())
+            }
+            BlendMode::Exclusion => {
+                |source, backdrop, alpha| source.separable(backdrop, alpha, |s, b| s + b - 2.0 * s * b)
+            }
+            BlendMode::Hue => |source, backdrop, alpha| source.non_separable(backdrop, alpha, BlendMode::Hue),
+            BlendMode::Saturation => {
+                |source, backdrop, alpha| source.non_separable(backdrop, alpha, BlendMode::Saturation)
+            }
+            BlendMode::Color => {
+                |source, backdrop, alpha| source.non_separable(backdrop, alpha, BlendMode::Color)
+            }
+            BlendMode::Luminosity => {
+                |source, backdrop, alpha| source.non_separable(backdrop, alpha, BlendMode::Luminosity)
+            }
+        };
+        Source { pixel, straight: straight(pixel, pixel[3]), seen }
+    }
+
+    /// What is seen of it in front of a backdrop whose alpha comes after it; the fourth components mean nothing.
+    #[inline]
+    pub fn before(&self, backdrop: Pixel, alpha: f32) -> Pixel {
+        if self.pixel[3] <= 0.0 {
+            return backdrop;
         }
+        if alpha <= 0.0 {
+            return self.pixel;
+        }
+        (self.seen)(self, backdrop, alpha)
+    }
+
+    /// The colour with which the source, painted over the backdrop, comes out as the blend of both; its alpha
+    /// is the source's.
+    #[inline]
+    pub fn own_color(&self, backdrop: Pixel) -> Pixel {
+        let alpha = self.pixel[3];
+        let blended = self.before(backdrop, backdrop[3]);
+        let mut own = each(|i| least(most(blended[i] - (1.0 - alpha) * backdrop[i], 0.0), alpha));
+        own[3] = alpha;
+        own
+    }
+
+    /// Each component by itself.
+    #[inline(always)]
+    fn separable(&self, backdrop: Pixel, alpha: f32, mixed: impl Fn(f32, f32) -> f32) -> Pixel {
+        self.composed(backdrop, alpha, |s, b| each(|i| mixed(s[i], b[i])))
+    }
+
+    fn non_separable(&self, backdrop: Pixel, alpha: f32, mode: BlendMode) -> Pixel {
+        self.composed(backdrop, alpha, |[sr, sg, sb, _], [br, bg, bb, _]| {
+            let [r, g, b] = non_separable(mode, [sr, sg, sb], [br, bg, bb]);
+            [r, g, b, 0.0]
+        })
+    }
+
+    /// Source alone, backdrop alone, and where both are, `mixed` of their straight colours.
+    #[inline(always)]
+    fn composed(&self, backdrop: Pixel, alpha: f32, mixed: impl Fn(Pixel, Pixel) -> Pixel) -> Pixel {
+        let own_alpha = self.pixel[3];
+        let both = mixed(self.straight, straight(backdrop, alpha));
+        let (shared, either) = (own_alpha * alpha, own_alpha + alpha * (1.0 - own_alpha));
+        each(|i| {
+            let alone = self.pixel[i] * (1.0 - alpha) + backdrop[i] * (1.0 - own_alpha);
+            least(most(alone + both[i] * shared, 0.0), either)
+        })
     }
 }
 
-/// The colour with which a source, painted over the backdrop, comes out as the blend of both; its alpha
-/// is the source's.
+/// What is seen of `source` in front of `backdrop`.
 #[inline]
-pub(crate) fn own_color(mode: BlendMode, source: Pixel, backdrop: Pixel) -> Pixel {
-    let alpha = source[3];
-    let blended = blend(mode, source, backdrop);
-    let mut own: Pixel =
-        std::array::from_fn(|i| least(most(blended[i] - (1.0 - alpha) * backdrop[i], 0.0), alpha));
-    own[3] = alpha;
-    own
+pub(crate) fn blend(mode: BlendMode, source: Pixel, backdrop: Pixel) -> Pixel {
+    let mut seen = Source::new(mode, source).before(backdrop, backdrop[3]);
+    let (own, other) = (source[3], backdrop[3]);
+    seen[3] = match mode {
+        BlendMode::PlusLighter => least(own + other, 1.0),
+        _ => own + other * (1.0 - own),
+    };
+    seen
 }
 
 /// Porter and Duff's `over`.
@@ -50,41 +125,16 @@ pub(crate) fn over(source: Pixel, backdrop: Pixel) -> Pixel {
     std::array::from_fn(|i| source[i] + backdrop[i] * through)
 }
 
-/// Each component by itself.
+/// A premultiplied colour of this alpha, not clear, as straight red, green and blue.
 #[inline(always)]
-fn separable(source: Pixel, backdrop: Pixel, mixed: impl Fn(f32, f32) -> f32) -> Pixel {
-    composed(source, backdrop, |s, b| {
-        [mixed(s[0], b[0]), mixed(s[1], b[1]), mixed(s[2], b[2]), mixed(s[3], b[3])]
-    })
+fn straight(pixel: Pixel, alpha: f32) -> Pixel {
+    each(|i| least(pixel[i] / alpha, 1.0))
 }
 
-/// Source alone, backdrop alone, and where both are, `mixed` of their straight colours. The fourth component
-/// of these means nothing: with it, all are one vector.
+/// All four components, without a loop.
 #[inline(always)]
-fn composed(source: Pixel, backdrop: Pixel, mixed: impl Fn(Pixel, Pixel) -> Pixel) -> Pixel {
-    let (source_alpha, backdrop_alpha) = (source[3], backdrop[3]);
-    if source_alpha <= 0.0 {
-        return backdrop;
-    }
-    if backdrop_alpha <= 0.0 {
-        return source;
-    }
-    let both = mixed(straight(source), straight(backdrop));
-    let alpha = source_alpha + backdrop_alpha * (1.0 - source_alpha);
-    let mut seen: Pixel = std::array::from_fn(|i| {
-        let alone = source[i] * (1.0 - backdrop_alpha) + backdrop[i] * (1.0 - source_alpha);
-        least(most(alone + both[i] * source_alpha * backdrop_alpha, 0.0), alpha)
-    });
-    seen[3] = alpha;
-    seen
-}
-
-/// A premultiplied colour, not clear, as straight red, green and blue.
-#[inline(always)]
-fn straight(pixel: Pixel) -> Pixel {
-    let alpha = pixel[3];
-    let divided = if alpha == 1.0 { pixel } else { pixel.map(|v| v / alpha) };
-    divided.map(|v| least(v, 1.0))
+fn each(component: impl Fn(usize) -> f32) -> Pixel {
+    [component(0), component(1), component(2), component(3)]
 }
 
 /// The lesser of two numbers. Both are numbers, so that one instruction does it, unlike [`f32::min`].
@@ -118,7 +168,7 @@ fn color_dodge(s: f32, b: f32) -> f32 {
     match (b, s) {
         (0.0, _) => 0.0,
         (_, 1.0) => 1.0,
-        _ => (b / (1.0 - s)).min(1.0),
+        _ => least(b / (1.0 - s), 1.0),
     }
 }
 
@@ -126,7 +176,7 @@ fn color_burn(s: f32, b: f32) -> f32 {
     match (b, s) {
         (1.0, _) => 1.0,
         (_, 0.0) => 0.0,
-        _ => 1.0 - ((1.0 - b) / s).min(1.0),
+        _ => 1.0 - least((1.0 - b) / s, 1.0),
     }
 }
 
@@ -167,34 +217,41 @@ fn luminosity([r, g, b]: [f32; 3]) -> f32 {
 }
 
 fn saturation([r, g, b]: [f32; 3]) -> f32 {
-    r.max(g).max(b) - r.min(g).min(b)
+    greatest([r, g, b]) - smallest([r, g, b])
+}
+
+#[inline(always)]
+fn smallest([r, g, b]: [f32; 3]) -> f32 {
+    least(least(r, g), b)
+}
+
+#[inline(always)]
+fn greatest([r, g, b]: [f32; 3]) -> f32 {
+    most(most(r, g), b)
 }
 
 /// The colour with its luminosity changed, drawn towards grey until it can be shown.
 fn with_luminosity(color: [f32; 3], wanted: f32) -> [f32; 3] {
     let step = wanted - luminosity(color);
     let color = color.map(|v| v + step);
-    let [r, g, b] = color;
-    let (least, most) = (r.min(g).min(b), r.max(g).max(b));
-    let grey = luminosity(color);
-    let mut scale = 1.0f32;
-    if least < 0.0 {
-        scale = scale.min(grey / (grey - least));
+    let (smallest, greatest) = (smallest(color), greatest(color));
+    let mut scale = 1.0;
+    if smallest < 0.0 {
+        scale = least(scale, wanted / (wanted - smallest));
     }
-    if most > 1.0 {
-        scale = scale.min((1.0 - grey) / (most - grey));
+    if greatest > 1.0 {
+        scale = least(scale, (1.0 - wanted) / (greatest - wanted));
     }
-    color.map(|v| grey + (v - grey) * scale)
+    color.map(|v| wanted + (v - wanted) * scale)
 }
 
 /// The colour with its components spread to this saturation, the least of them 0.
 fn with_saturation(color: [f32; 3], wanted: f32) -> [f32; 3] {
-    let (range, [r, g, b]) = (saturation(color), color);
+    let (smallest, range) = (smallest(color), saturation(color));
     if range <= 0.0 {
         return [0.0; 3];
     }
-    let least = r.min(g).min(b);
-    color.map(|v| (v - least) * (wanted / range))
+    color.map(|v| (v - smallest) * (wanted / range))
 }
 
 #[cfg(test)]

@@ -14,6 +14,7 @@
 
 use super::resolve::NEGLIGIBLE;
 use crate::effects::blend;
+use crate::effects::layer::Pixel;
 use crate::effects::mask;
 use crate::scene::paint::Sheet;
 use usvg::{BlendMode, MaskType};
@@ -47,18 +48,44 @@ pub(crate) fn shown(kind: MaskType, mask: Sheet) -> f32 {
     mask::shown(kind, [r, g, b, 1.0 - through])
 }
 
-/// The sheet that stands for a blended source and all that lies behind it in its group; `background` is
-/// what will be put behind that, if it is part of the backdrop.
-pub(crate) fn blended(mode: BlendMode, source: Sheet, behind: Sheet, background: Sheet) -> Sheet {
-    if source.through() >= 1.0 {
-        return behind;
+/// A blended source of one colour.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Blended {
+    sheet: Sheet,
+    source: blend::Source,
+}
+
+impl Blended {
+    pub fn new(mode: BlendMode, sheet: Sheet) -> Blended {
+        Blended { sheet, source: blend::Source::new(mode, pixel_of(sheet)) }
     }
-    let pixel = |sheet: Sheet| {
-        let [r, g, b, through] = sheet.channels();
-        [r, g, b, 1.0 - through]
-    };
-    let own = blend::own_color(mode, pixel(source), pixel(behind.over(background)));
-    Sheet::from_channels([own[0], own[1], own[2], source.through()]).over(behind)
+
+    /// The sheet that stands for it and all that lies behind it in its group; `background` is what will be put
+    /// behind that, if it is part of the backdrop.
+    #[inline]
+    pub fn before(&self, behind: Sheet, background: Sheet) -> Sheet {
+        let through = self.sheet.through();
+        if through >= 1.0 {
+            return behind;
+        }
+        if background.through() < 1.0 {
+            return self.before_background(behind, background);
+        }
+        let mut seen = self.source.before(behind.channels(), 1.0 - behind.through());
+        seen[3] = through * behind.through();
+        Sheet::from_channels(seen)
+    }
+
+    #[inline(never)]
+    fn before_background(&self, behind: Sheet, background: Sheet) -> Sheet {
+        let [r, g, b, _] = self.source.own_color(pixel_of(behind.over(background)));
+        Sheet::from_channels([r, g, b, self.sheet.through()]).over(behind)
+    }
+}
+
+fn pixel_of(sheet: Sheet) -> Pixel {
+    let [r, g, b, through] = sheet.channels();
+    [r, g, b, 1.0 - through]
 }
 
 /// A group that is open.
@@ -210,7 +237,7 @@ impl PaintTree {
         while let Some(&Open { part: Part::Backdrop(mode, source), .. }) = self.open.last() {
             let behind = self.front;
             self.pop();
-            self.paint(blended(mode, source, behind, background));
+            self.paint(Blended::new(mode, source).before(behind, background));
         }
     }
 

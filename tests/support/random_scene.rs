@@ -10,6 +10,8 @@ pub struct Kinds {
     pub masks: bool,
     pub blends: bool,
     pub patterns: bool,
+    /// So many shapes in front of the others blend with all behind them, each in a group of its own.
+    pub stack: usize,
     /// So many shapes in front of the others are painted with one each.
     pub gradients: usize,
 }
@@ -50,6 +52,9 @@ impl RandomScene {
         let mut body = String::new();
         for _ in 0..1 + self.below(6) {
             body += &self.node(0);
+        }
+        for _ in 0..self.kinds.stack {
+            body += &self.blended();
         }
         for _ in 0..self.kinds.gradients {
             let fill = self.gradient();
@@ -115,6 +120,18 @@ impl RandomScene {
             2 => format!("<path d='M{a} {b}L{c} {d}L{e} {f}L{g} {h}z' {attributes}/>"),
             _ => format!("<path d='M{a} {b}C{c} {d} {e} {f} {g} {h}z' {attributes}/>"),
         }
+    }
+
+    /// A shape or two that blend as one.
+    fn blended(&mut self) -> String {
+        let mode = self.one_of(&BLEND_MODES);
+        let mut shapes = String::new();
+        for _ in 0..1 + self.below(4) / 3 {
+            let (fill, opacity) = (self.color(), [0.3, 1.0][self.below(2) as usize]);
+            shapes += &self.shape(self.size, &format!("fill='{fill}' fill-opacity='{opacity}'"));
+        }
+        let opacity = [0.7, 1.0, 1.0][self.below(3) as usize];
+        format!("<g style='mix-blend-mode:{mode}' opacity='{opacity}'>{shapes}</g>")
     }
 
     fn paint(&mut self) -> String {
