@@ -363,6 +363,32 @@ fn what_is_not_drawn_is_warned_of_once_a_kind_unless_quiet() {
 }
 
 #[test]
+fn what_the_parser_cannot_read_is_warned_of_once_a_kind_unless_quiet() {
+    let folder = Folder::with(
+        "<svg xmlns='http://www.w3.org/2000/svg' width='9' height='9'>
+        <style>rect:nth-child(2) { fill: red }</style><rect width='3' height='3' fill='rebeccapurple'/>
+        <rect width='3' height='3' fill='rebeccapurple'/><rect width='3' height='3' fill='var(--c, green)'/>
+        <rect width='3' height='3' style='transform: translate(0, 5px)'/></svg>",
+    );
+    let output = folder.run(&["in.svg", "out.png"]);
+    assert_eq!(output.status.code(), Some(0));
+    let said = stderr(&output);
+    let warned = [
+        "':nth-child' is not supported",
+        "'rebeccapurple'. Fallback to black (and 1 more like it)",
+        "transform",
+    ];
+    assert_eq!(said.lines().count(), warned.len(), "{said}");
+    for (line, what) in said.lines().zip(warned) {
+        assert!(line.starts_with("toon-raster: in.svg: warning: ") && line.contains(what), "{said}");
+    }
+    let said = stderr(&folder.run(&["-q", "in.svg", "out.png"]));
+    assert_eq!(said, "");
+    let said = stderr(&folder.run(&["-v", "in.svg", "out.png"]));
+    assert_eq!(said.matches("'rebeccapurple'").count(), 2, "{said}");
+}
+
+#[test]
 fn too_many_pixels_are_refused_with_the_name_of_the_flag() {
     let folder = Folder::with(SQUARE);
     assert_fails(&folder.run(&["-w", "65536", "in.svg", "out.png"]), 3, "--max-pixels");

@@ -4,6 +4,7 @@ use super::compare_args::CompareArguments;
 use super::explain_args::ExplainArguments;
 use super::fonts::FontOptions;
 use super::frames::{FramesJob, SequenceOptions};
+use super::parser_log;
 use super::places::{self, Pattern, Plan, Source, Wanted};
 use super::query::QueryJob;
 use super::render::RenderJob;
@@ -222,7 +223,7 @@ struct ReportOptions {
     /// Errors only
     #[arg(short, long, conflicts_with = "verbose")]
     quiet: bool,
-    /// Also what the SVG parser has to say
+    /// All that the SVG parser has to say, as it says it
     #[arg(short, long)]
     verbose: bool,
     /// bar (only on a terminal, only if the work is long), json, openjd or none
@@ -249,7 +250,7 @@ pub fn job(argv: impl Iterator<Item = OsString>) -> Result<Job, String> {
     if arguments.query.list_fonts {
         return Ok(Job::ListFonts(arguments.fonts));
     }
-    log_if(arguments.report.verbose);
+    hear_parser(arguments.report.quiet, arguments.report.verbose);
     arguments.part.warn_of_idle(arguments.report.quiet);
     if arguments.query.query_all || arguments.query.query_bbox {
         return query_job(arguments);
@@ -270,9 +271,10 @@ fn first_line(error: &clap::Error) -> String {
     format!("{message} (see --help)")
 }
 
-pub(super) fn log_if(verbose: bool) {
-    if verbose {
-        super::report::log_to_stderr();
+/// Hears what the SVG parser logs, unless only errors are to be said.
+pub(super) fn hear_parser(quiet: bool, verbose: bool) {
+    if !quiet {
+        parser_log::hear(verbose);
     }
 }
 

@@ -5,7 +5,7 @@ use super::places::{Source, Target};
 use super::report::{self, Failure, Progress, Voice};
 use super::size::{self, Fit, Part};
 use super::values::ProgressStyle;
-use super::{input, render, view};
+use super::{input, parser_log, render, view};
 use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -95,6 +95,7 @@ fn run_here(mut job: CompareJob) -> ExitCode {
 fn one(job: &mut CompareJob, source: &Source, progress: &mut Progress) -> Result<Comparison, Failure> {
     let bytes = input::read(source)?;
     job.reading.usvg.resources_dir = job.resources_dir.clone().or_else(|| view::folder_of(source));
+    parser_log::begin();
     let parsing = Instant::now();
     let (tree, unmatched) = load::tree_and_warnings(&bytes, &job.reading)?;
     let viewport = size::viewport(&tree, &Part::Page, job.fit, job.max_pixels)?;
@@ -102,6 +103,7 @@ fn one(job: &mut CompareJob, source: &Source, progress: &mut Progress) -> Result
     let parse = parsing.elapsed();
     report::warnings(&source.name(), scene.warnings(), job.voice);
     report::warnings(&source.name(), &unmatched, job.voice);
+    parser_log::tell(&source.name(), job.voice);
     let name = source.name();
     let subject = Subject { name: name.clone(), bytes: &bytes, tree: &tree, scene: &scene, viewport, parse };
     let mut under_way = false;

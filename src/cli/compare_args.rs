@@ -83,7 +83,7 @@ struct OutputOptions {
     /// Errors only on standard error
     #[arg(short, long, conflicts_with = "verbose")]
     quiet: bool,
-    /// Also what the SVG parser has to say
+    /// All that the SVG parser has to say, as it says it
     #[arg(short, long)]
     verbose: bool,
     /// bar (only on a terminal, only if the work is long), json or none
@@ -122,7 +122,7 @@ impl CompareArguments {
         if inputs.iter().filter(|input| **input == Source::Stdin).count() > 1 {
             return Err("standard input can be read only once".to_string());
         }
-        args::log_if(output.verbose);
+        args::hear_parser(output.quiet, output.verbose);
         let mut methods = self.methods;
         if methods.is_empty() {
             methods = Method::ALL.to_vec();

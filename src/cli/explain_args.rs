@@ -31,7 +31,7 @@ pub struct ExplainArguments {
     /// Errors only on standard error
     #[arg(short, long, conflicts_with = "verbose")]
     quiet: bool,
-    /// Also what the SVG parser has to say
+    /// All that the SVG parser has to say, as it says it
     #[arg(short, long)]
     verbose: bool,
     #[command(flatten)]
@@ -56,7 +56,7 @@ impl ExplainArguments {
         if inputs.iter().filter(|input| **input == Source::Stdin).count() > 1 {
             return Err("standard input can be read only once".to_string());
         }
-        args::log_if(self.verbose);
+        args::hear_parser(self.quiet, self.verbose);
         self.part.warn_of_idle(self.quiet);
         Ok(Job::Explain(Box::new(ExplainJob {
             inputs,

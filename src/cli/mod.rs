@@ -20,6 +20,7 @@
 //! | [`compare`] | the compare job: every method on every input, to a table, JSON and a page |
 //! | [`explain_args`] | argv of `explain` → its job |
 //! | [`explain`] | the explain job: what drawings call for, what will run and what it costs |
+//! | [`parser_log`] | what the SVG parser logs → warnings |
 //! | [`report`] | what is said on standard error, and exit codes |
 //! | [`perf`] | times → a table or JSON |
 //!
@@ -37,6 +38,7 @@ pub mod input;
 pub mod movie;
 pub mod output;
 pub mod painting;
+pub mod parser_log;
 pub mod perf;
 pub mod places;
 pub mod query;

@@ -119,26 +119,6 @@ pub fn catching<T>(work: impl FnOnce() -> Result<T, Failure>) -> Result<T, Failu
     })
 }
 
-/// Passes what the SVG parser has to say on to standard error.
-pub fn log_to_stderr() {
-    struct Logger;
-    impl log::Log for Logger {
-        fn enabled(&self, metadata: &log::Metadata) -> bool {
-            metadata.level() <= log::Level::Warn
-        }
-        fn log(&self, record: &log::Record) {
-            if self.enabled(record.metadata()) {
-                line(&format!("{}: {}", record.target(), record.args()));
-            }
-        }
-        fn flush(&self) {}
-    }
-    static LOGGER: Logger = Logger;
-    if log::set_logger(&LOGGER).is_ok() {
-        log::set_max_level(log::LevelFilter::Warn);
-    }
-}
-
 /// Tells how many inputs are done.
 pub struct Progress {
     style: ProgressStyle,

@@ -1,6 +1,7 @@
 //! How drawings are read, and what is shown of them: what all jobs have in common that make pictures or plan
 //! them.
 
+use super::parser_log;
 use super::places::Source;
 use super::report::{self, Failure, Voice};
 use super::size::{self, Fit, Part};
@@ -48,11 +49,13 @@ impl View {
     /// # Errors
     /// As [`View::open`].
     pub fn see(&self, bytes: &[u8], name: &str) -> Result<Seen, Failure> {
+        parser_log::begin();
         let (tree, unmatched) = load::tree_and_warnings(bytes, &self.options)?;
         let viewport = size::viewport(&tree, &self.part, self.fit, self.max_pixels)?;
         let scene = self.scene(&tree)?;
         report::warnings(name, scene.warnings(), self.voice);
         report::warnings(name, &unmatched, self.voice);
+        parser_log::tell(name, self.voice);
         Ok(Seen { scene, viewport, unmatched })
     }
 

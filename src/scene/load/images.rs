@@ -17,6 +17,9 @@ const MOST_BYTES: u64 = 64 << 20;
 /// Bytes of all of them: 256 MiB.
 const MOST_BYTES_IN_ALL: u64 = 256 << 20;
 
+/// Pixels of an image's side.
+const MOST_SIDE: u32 = 1 << 24;
+
 /// What the images of one drawing have called for so far.
 #[derive(Default)]
 struct Opened {
@@ -92,12 +95,18 @@ fn closed() -> usvg::ImageHrefResolver<'static> {
 /// By its first bytes, whatever it is said to be.
 fn kind(data: Arc<Vec<u8>>, options: &usvg::Options, outer: &Options) -> Option<ImageKind> {
     match image::guess_format(&data) {
-        Ok(image::ImageFormat::Png) => Some(ImageKind::PNG(data)),
+        Ok(image::ImageFormat::Png) => (!is_too_long(&data)).then_some(ImageKind::PNG(data)),
         Ok(image::ImageFormat::Jpeg) => Some(ImageKind::JPEG(data)),
         Ok(image::ImageFormat::Gif) => Some(ImageKind::GIF(data)),
         Ok(image::ImageFormat::WebP) => Some(ImageKind::WEBP(data)),
         _ => drawing(&data, options, outer).map(ImageKind::SVG),
     }
+}
+
+/// Does a PNG claim to be longer than the parser can count? All other formats have less room to.
+fn is_too_long(png: &[u8]) -> bool {
+    let sides = png.get(16..24).unwrap_or_default().as_chunks::<4>().0;
+    sides.iter().any(|&side| u32::from_be_bytes(side) > MOST_SIDE)
 }
 
 fn drawing(data: &[u8], options: &usvg::Options, outer: &Options) -> Option<usvg::Tree> {
@@ -151,6 +160,17 @@ mod tests {
         std::fs::remove_file(&path).expect("it is there");
         assert!(Arc::ptr_eq(&first, &bytes()));
         assert_eq!(*first, b"\x89PNG\r\n\x1a\n and more");
+    }
+
+    #[test]
+    fn a_png_longer_than_can_be_counted_is_not_opened() {
+        let png = |width: u32| {
+            let header =
+                [b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR", &width.to_be_bytes()[..], b"\0\0\0\x01\x08\x06\0\0\0"];
+            kind(Arc::new(header.concat()), &usvg::Options::default(), &Options::default())
+        };
+        assert!(png(60_000).is_some());
+        assert!(png(i32::MAX as u32).is_none());
     }
 
     #[test]
