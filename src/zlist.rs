@@ -49,6 +49,27 @@ pub(crate) enum Kind {
     GroupEnd,
 }
 
+impl Kind {
+    /// What is seen of an entry that is one region of a partition.
+    #[inline]
+    pub fn seen(&self) -> Option<Sheet> {
+        match *self {
+            Kind::Sheet(sheet) | Kind::Knockout(sheet) => Some(sheet),
+            _ => None,
+        }
+    }
+
+    /// The sheet of an entry that paints one, and hides no more than that does.
+    #[inline]
+    fn sheet(&self) -> Option<Sheet> {
+        match *self {
+            Kind::Sheet(sheet) => Some(sheet),
+            Kind::Knockout(sheet) if sheet.is_opaque() => Some(sheet),
+            _ => None,
+        }
+    }
+}
+
 /// Where a pixel's list begins, and what lies in front of it.
 #[derive(Clone, Copy)]
 pub(crate) struct Head {
@@ -108,8 +129,8 @@ impl ZLists<'_> {
 
     /// An entry of one fragment and one colour.
     fn leaf(&self, entry: &Entry<u32>) -> Option<(&Fragment, Sheet)> {
-        match (entry.kind, self.nodes.get(entry.part as usize)?) {
-            (Kind::Sheet(sheet), Node::Leaf(fragment)) => Some((fragment, sheet)),
+        match self.nodes.get(entry.part as usize)? {
+            Node::Leaf(fragment) => Some((fragment, entry.kind.sheet()?)),
             _ => None,
         }
     }
@@ -119,8 +140,8 @@ impl ZLists<'_> {
         let mut front = Sheet::CLEAR;
         let mut next = first;
         while let Some(entry) = self.entries.get(next as usize) {
-            match entry.kind {
-                Kind::Sheet(sheet) if entry.part == WHOLE => front = front.over(sheet),
+            match entry.kind.sheet() {
+                Some(sheet) if entry.part == WHOLE => front = front.over(sheet),
                 _ => return None,
             }
             next = entry.next;
@@ -140,8 +161,8 @@ impl ZLists<'_> {
             next = entry.next;
             let here = sheets.get_mut(count)?;
             count += 1;
-            *here = match entry.kind {
-                Kind::Sheet(sheet) if entry.part == WHOLE => (sheet, 0),
+            *here = match entry.kind.sheet() {
+                Some(sheet) if entry.part == WHOLE => (sheet, 0),
                 _ => {
                     let (fragment, sheet) = self.leaf(entry)?;
                     if !few.add(fragment, self.pieces) {

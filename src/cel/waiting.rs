@@ -6,7 +6,7 @@
 //! wait in runs of pixels that are the same, so that they take room, and blending takes time, by what is
 //! visible of them.
 
-use super::blends::Blend;
+use super::blends::Blends;
 use super::groups::Content;
 use super::Cel;
 use crate::bitmap::{for_bits, for_runs, word_masks};
@@ -23,6 +23,7 @@ pub(super) struct Waiting {
     pixels: Vec<Pixel>,
     /// A bit for each row in which a source waits.
     rows: u64,
+    blends: Blends,
 }
 
 /// A source: its runs and pixels go from these to the next one's.
@@ -40,7 +41,7 @@ struct Run {
     to: usize,
     /// What was painted before the source.
     before: Sheet,
-    /// The source, with its opacity.
+    /// The source, without its opacity.
     source: Sheet,
 }
 
@@ -108,7 +109,6 @@ impl Cel {
         let covered = self.covered.row(row)[word];
         let Cel { waiting, sheets, .. } = self;
         let mut push = |from: usize, to: usize, before: Sheet, source: Sheet| {
-            let source = source.faded(group.opacity);
             waiting.push_run(Run { row, from: word * 64 + from, to: word * 64 + to, before, source });
         };
         group.for_uniform((row, word), pixels & !covered, |from, to, source| {
@@ -124,13 +124,14 @@ impl Cel {
     pub fn resume<A: Parts>(&mut self, background: Sheet, parts: &mut A, entries: &mut Vec<Entry<A::Part>>) {
         let mut waiting = std::mem::take(&mut self.waiting);
         while let Some(Source { mode, opacity, first_run, first_pixel }) = waiting.sources.pop() {
-            let blend = Blend { mode, background };
+            let blends = &mut waiting.blends;
+            blends.start(mode, opacity, background);
             for run in waiting.runs.drain(first_run..) {
-                self.resume_run(run, blend, parts, entries);
+                self.resume_run(run, blends, background, parts, entries);
             }
             for Pixel { at: (row, x), before, source } in waiting.pixels.drain(first_pixel..) {
                 let behind = self.content(row, x);
-                let blended = blend.of_lists((source, opacity), behind, parts, entries);
+                let blended = blends.of_lists(source, behind, parts, entries);
                 self.put((row, x), before.before(blended, entries));
             }
         }
@@ -141,15 +142,16 @@ impl Cel {
     fn resume_run<A: Parts>(
         &mut self,
         Run { row, from, to, before, source }: Run,
-        blend: Blend,
+        blends: &mut Blends,
+        background: Sheet,
         parts: &mut A,
         entries: &mut Vec<Entry<A::Part>>,
     ) {
         let nothing_before = before.is_same(Sheet::CLEAR);
-        let prepared = blend.source(source);
+        let prepared = blends.source(source);
         let seen = |behind: Sheet| match nothing_before {
-            true => blend.of(&prepared, behind),
-            false => before.over(blend.of(&prepared, behind)),
+            true => prepared.before(behind, background),
+            false => before.over(prepared.before(behind, background)),
         };
         for (word, mask) in word_masks(from, to) {
             let (_, uniform, listed) = self.states(row, word);
@@ -167,7 +169,7 @@ impl Cel {
                     behind.repaint(seen, entries);
                     self.lists[at.0 * self.width + at.1] = (behind.first, behind.last);
                 } else {
-                    let blended = blend.of_lists((Content::of_sheet(source), 1.0), behind, parts, entries);
+                    let blended = blends.of_lists(Content::of_sheet(source), behind, parts, entries);
                     self.put(at, Content::of_sheet(before).before(blended, entries));
                 }
             });

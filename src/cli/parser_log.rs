@@ -10,8 +10,16 @@ use std::collections::HashSet;
 /// Messages of one drawing that are kept.
 const MOST: usize = 10_000;
 
-/// What is logged here is about fonts that are not there, of which the loader tells what comes of it.
-const TOLD_OTHERWISE: &str = "usvg::text";
+/// Is this told otherwise, or nothing to tell of?
+fn is_idle(target: &str, message: &str) -> bool {
+    // The loader tells what comes of fonts that are not there; keyframes are ours to animate by; what has no size
+    // is rightly not drawn.
+    target == "usvg::text"
+        || message.starts_with("The @keyframes rule")
+        || ["width", "height", "rx", "ry", "r"]
+            .iter()
+            .any(|of| message.contains(&format!("an invalid '{of}'")))
+}
 
 thread_local! {
     /// Since the drawing was begun that this thread reads, each once.
@@ -57,10 +65,11 @@ impl log::Log for Logger {
     fn log(&self, record: &log::Record) {
         if self.verbose {
             report::line(&format!("{}: {}", record.target(), record.args()));
-        } else if self.enabled(record.metadata()) && record.target() != TOLD_OTHERWISE {
+        } else if self.enabled(record.metadata()) {
             HEARD.with_borrow_mut(|heard| {
                 if heard.len() < MOST {
-                    heard.push(record.args().to_string());
+                    let message = record.args().to_string();
+                    heard.extend((!is_idle(record.target(), &message)).then_some(message));
                 }
             });
         }

@@ -191,11 +191,15 @@ fn hard_light(s: f32, b: f32) -> f32 {
 }
 
 fn soft_light(s: f32, b: f32) -> f32 {
+    // All are made, so that four components are one vector.
+    let darkened = b - (1.0 - 2.0 * s) * b * (1.0 - b);
+    let (cubic, root) = (((16.0 * b - 12.0) * b + 4.0) * b, b.sqrt());
+    let lifted = if b <= 0.25 { cubic } else { root };
+    let lightened = b + (2.0 * s - 1.0) * (lifted - b);
     if s <= 0.5 {
-        b - (1.0 - 2.0 * s) * b * (1.0 - b)
+        darkened
     } else {
-        let lifted = if b <= 0.25 { ((16.0 * b - 12.0) * b + 4.0) * b } else { b.sqrt() };
-        b + (2.0 * s - 1.0) * (lifted - b)
+        lightened
     }
 }
 

@@ -5,7 +5,7 @@
 //! Along a border pixel after pixel has the same list but for its fragments' areas. So the colours of the
 //! sets are kept with the list, and a tree of groups is walked through once for many pixels.
 
-use super::{Borders, Entry, Head, Kind, ZLists, WHOLE};
+use super::{Borders, Head, Kind, ZLists, WHOLE};
 use crate::pixel::few::{Areas, MOST_LEAVES};
 use crate::pixel::fragment::{Fragment, PIXEL_AREA};
 use crate::pixel::paint_tree::{Composite, Effect, PaintTree};
@@ -56,7 +56,7 @@ struct Reading {
     sets: Vec<u8>,
     /// Of a partition, front to back: the set of fragments in all of which each lies, and what is seen there.
     regions: Vec<(u8, Sheet)>,
-    /// The fragments' places in the list of all nodes.
+    /// The fragments' places in the list of all nodes, [`WHOLE`] where there are no more.
     leaves: [u32; MOST_LEAVES],
     leaf_count: usize,
 }
@@ -66,27 +66,35 @@ impl Reading {
     fn clear(&mut self) {
         self.sets.clear();
         self.regions.clear();
-        (self.hash, self.leaf_count) = (0, 0);
+        (self.hash, self.leaf_count, self.leaves) = (0, 0, [WHOLE; MOST_LEAVES]);
     }
 
-    /// The set of fragments of a node, or `None` if there are too many or it is not where all of them lie.
-    fn set(&mut self, node: u32, lists: &ZLists) -> Option<u8> {
-        match lists.nodes.get(node as usize)? {
-            Node::Leaf(fragment) => self.leaf(node, fragment, lists),
-            &Node::And(a, b) => Some(self.set(a, lists)? | self.set(b, lists)?),
+    /// The set of fragments in all of which a part lies, or `None` if there are too many or it is not where all of them
+    /// lie.
+    #[inline]
+    fn set(&mut self, part: u32, lists: &ZLists) -> Option<u8> {
+        if part == WHOLE {
+            return Some(EVERYWHERE);
+        }
+        if let Some(number) = self.leaves.iter().position(|&known| known == part) {
+            return Some(1 << number);
+        }
+        match lists.nodes.get(part as usize)? {
+            Node::Leaf(fragment) => self.leaf(part, fragment, lists),
+            &Node::And(a, b) => self.set_of_both(a, b, lists),
             Node::Or(..) => None,
         }
     }
 
-    /// The bit of a fragment. One with the border and the area of another is the same.
-    #[inline]
+    fn set_of_both(&mut self, a: u32, b: u32, lists: &ZLists) -> Option<u8> {
+        Some(self.set(a, lists)? | self.set(b, lists)?)
+    }
+
+    /// The bit of a fragment whose node is new. One with the border and the area of another is the same.
     fn leaf(&mut self, node: u32, fragment: &Fragment, lists: &ZLists) -> Option<u8> {
-        for (number, &known) in self.leaves[..self.leaf_count].iter().enumerate() {
-            let same = known == node || {
-                let known = lists.fragment(known)?;
-                known.area() == fragment.area() && is_same(known, fragment, lists.pieces)
-            };
-            if same {
+        for number in 0..self.leaf_count {
+            let known = lists.fragment(self.leaves[number])?;
+            if known.area() == fragment.area() && is_same(known, fragment, lists.pieces) {
                 return Some(1 << number);
             }
         }
@@ -216,7 +224,7 @@ impl ZLists<'_> {
             next = entry.next;
             let set = match entry.kind {
                 Kind::Gradient(_) => return None,
-                _ => self.set_of(entry.part, reading)?,
+                _ => reading.set(entry.part, self)?,
             };
             reading.push(key_of(&entry.kind, set), set);
         }
@@ -228,24 +236,12 @@ impl ZLists<'_> {
     fn read_partition(&self, head: Head, reading: &mut Reading) -> Option<()> {
         reading.clear();
         let mut next = head.first;
-        while let Some(&Entry { next: after, part, kind: Kind::Knockout(sheet) }) =
-            self.entries.get(next as usize)
-        {
-            next = after;
-            let set = self.set_of(part, reading)?;
-            reading.regions.push((set, sheet));
+        while let Some(entry) = self.entries.get(next as usize) {
+            next = entry.next;
+            let set = reading.set(entry.part, self)?;
+            reading.regions.push((set, entry.kind.seen()?));
         }
         Some(())
-    }
-
-    /// The set of fragments in all of which an entry lies; `None` as for [`Reading::set`].
-    #[inline]
-    fn set_of(&self, part: u32, reading: &mut Reading) -> Option<u8> {
-        match self.fragment(part) {
-            _ if part == WHOLE => Some(EVERYWHERE),
-            Some(fragment) => reading.leaf(part, fragment, self),
-            None => reading.set(part, self),
-        }
     }
 
     /// The colour of a region that lies in a set of fragments.
