@@ -18,6 +18,9 @@ use std::time::{Duration, Instant};
 /// For one answer of the browser, on a busy machine.
 const PATIENCE: Duration = Duration::from_secs(60);
 
+/// For the page to have done what an event asks for.
+const SOON: Duration = Duration::from_secs(20);
+
 /// How often the page is tried before it is called broken.
 const ATTEMPTS: usize = 3;
 
@@ -136,7 +139,21 @@ impl Page {
     fn wait_for(&mut self, expression: &str) {
         let start = Instant::now();
         while self.value(expression) != true {
-            assert!(start.elapsed() < PATIENCE, "never: {expression}");
+            assert!(start.elapsed() < SOON, "never: {expression}");
+            std::thread::sleep(Duration::from_millis(50));
+        }
+    }
+
+    /// Waits until what is looked at is so: the browser handles an event when it will. Gives what is seen then.
+    #[track_caller]
+    fn soon(&mut self, look: impl Fn(&mut Page) -> Value, is_so: impl Fn(&Value) -> bool) -> Value {
+        let start = Instant::now();
+        loop {
+            let seen = look(self);
+            if is_so(&seen) {
+                return seen;
+            }
+            assert!(start.elapsed() < SOON, "never so, at last {seen}");
             std::thread::sleep(Duration::from_millis(50));
         }
     }
@@ -149,8 +166,10 @@ impl Page {
 
     /// The middle of an element, on the screen.
     fn middle(&mut self, selector: &str) -> (f64, f64) {
+        // Two frames later the screen shows what was scrolled to, so that a click there meets it.
         let script = format!(
-            "(() => {{ const e = document.querySelector({selector:?}); e.scrollIntoView({{ block: 'center', behavior: 'instant' }}); \
+            "(async () => {{ const e = document.querySelector({selector:?}); e.scrollIntoView({{ block: 'center', behavior: 'instant' }}); \
+             const frame = () => new Promise(requestAnimationFrame); await frame(); await frame(); \
              const b = e.getBoundingClientRect(); return [b.x + b.width / 2, b.y + b.height / 2]; }})()"
         );
         let at = self.value(&script);
@@ -168,9 +187,20 @@ impl Page {
         self.value("document.getElementById('canvas').toDataURL()")
     }
 
+    /// The same when it is another one.
+    #[track_caller]
+    fn picture_other_than(&mut self, before: &Value) -> Value {
+        self.soon(Page::picture, |picture| picture != before)
+    }
+
     /// Names in the first column of the table, from the top.
     fn order(&mut self) -> Value {
         self.value("[...document.querySelectorAll('#table tbody tr td:first-child')].map((cell) => cell.textContent)")
+    }
+
+    #[track_caller]
+    fn is_ordered(&mut self, names: [&str; 2]) {
+        self.soon(Page::order, |order| *order == json!(names));
     }
 
     fn complaints(&mut self) -> Vec<String> {
@@ -253,39 +283,35 @@ fn the_slider_moves(page: &mut Page) {
         page.mouse("mouseMoved", x - 30.0 * f64::from(step), y);
     }
     page.mouse("mouseReleased", x - 300.0, y);
-    let (moved_to, _) = page.middle("#divider");
-    assert!((moved_to - (x - 300.0)).abs() < 2.0, "dragged from {x} to {moved_to}");
-    assert_ne!(page.picture(), before);
-    let share = page.value("Number(document.getElementById('divider').getAttribute('aria-valuenow'))");
+    page.soon(|page| json!(page.middle("#divider").0), |to| (to.as_f64().unwrap() - (x - 300.0)).abs() < 2.0);
+    page.picture_other_than(&before);
+    let share = |page: &mut Page| {
+        page.value("Number(document.getElementById('divider').getAttribute('aria-valuenow'))")
+    };
+    let before = share(page);
     page.value("document.getElementById('divider').focus()");
     page.call(
         "Input.dispatchKeyEvent",
         json!({ "type": "keyDown", "key": "ArrowRight", "code": "ArrowRight" }),
     );
-    let after = page.value("Number(document.getElementById('divider').getAttribute('aria-valuenow'))");
-    assert!(after.as_f64() > share.as_f64(), "the arrow key moves it from {share} to {after}");
+    page.soon(share, |after| after.as_f64() > before.as_f64());
 }
 
 fn zoom_and_modes_change_the_picture(page: &mut Page) {
     let fit = page.picture();
     page.click("#zoom [data-zoom='8']");
-    assert_eq!(page.value("document.querySelector(\"#zoom [data-zoom='8']\").ariaPressed"), "true");
-    let zoomed = page.picture();
-    assert_ne!(zoomed, fit);
+    page.wait_for("document.querySelector(\"#zoom [data-zoom='8']\").ariaPressed === 'true'");
+    let zoomed = page.picture_other_than(&fit);
     let (x, y) = page.middle("#tag-left");
     page.mouse("mouseMoved", x + 60.0, y + 60.0);
-    assert!(page
-        .value("document.getElementById('readout').textContent")
-        .as_str()
-        .unwrap()
-        .contains("column"));
+    page.wait_for("document.getElementById('readout').textContent.includes('column')");
     page.click("#spots button");
-    assert_eq!(page.value("document.querySelector(\"#zoom [data-zoom='16']\").ariaPressed"), "true");
+    page.wait_for("document.querySelector(\"#zoom [data-zoom='16']\").ariaPressed === 'true'");
     page.click("#mode [data-mode='error']");
-    assert_eq!(page.value("document.querySelector('#look .legend').hidden"), false);
-    assert_ne!(page.picture(), zoomed);
+    page.wait_for("document.querySelector('#look .legend').hidden === false");
+    page.picture_other_than(&zoomed);
     page.click("#mode [data-mode='side']");
-    assert_eq!(page.value("document.getElementById('divider').hidden"), true);
+    page.wait_for("document.getElementById('divider').hidden === true");
     page.click("#mode [data-mode='slider']");
     page.click("#zoom [data-zoom='fit']");
     page.click("#gallery button");
@@ -297,12 +323,12 @@ fn the_table_sorts(page: &mut Page) {
     let rms = page.value(
         "[...document.querySelectorAll('#table thead button')].findIndex((b) => b.textContent === 'rms') + 1",
     );
-    assert_eq!(page.order(), json!(["exact", "none"]));
+    page.is_ordered(["exact", "none"]);
     page.click(&format!("#table thead th:nth-child({rms}) button"));
-    assert_eq!(page.order(), json!(["none", "exact"]));
-    assert_eq!(page.value("document.querySelector('#table [aria-sort]').textContent"), "rms");
+    page.is_ordered(["none", "exact"]);
+    page.wait_for("document.querySelector('#table [aria-sort]').textContent === 'rms'");
     page.click("#table thead th:nth-child(1) button");
-    assert_eq!(page.order(), json!(["exact", "none"]));
+    page.is_ordered(["exact", "none"]);
     page.click("#table tbody .name");
     page.wait_for("document.getElementById('left').selectedOptions[0].textContent === 'exact'");
 }
@@ -310,27 +336,25 @@ fn the_table_sorts(page: &mut Page) {
 fn the_plot_has_its_measures(page: &mut Page) {
     let dots = "document.querySelectorAll('#plot circle').length";
     assert_eq!(page.value(dots), 2);
-    let before = page.value("document.getElementById('plot').innerHTML");
+    let plot = |page: &mut Page| page.value("document.getElementById('plot').innerHTML");
+    let before = plot(page);
     page.click("#measure button:nth-child(4)");
-    assert_ne!(page.value("document.getElementById('plot').innerHTML"), before);
+    page.soon(plot, |after| *after != before);
     assert_eq!(page.value(dots), 2);
     assert!(page.value("document.querySelectorAll('#curve-plots polyline').length").as_u64() >= Some(1));
     assert_eq!(page.value("document.querySelectorAll('#motion-table tbody tr').length"), 2);
 }
 
 fn it_fits_small_and_dark_screens(page: &mut Page) {
-    let ground = "getComputedStyle(document.body).backgroundColor";
-    let light = page.value(ground);
+    let ground = |page: &mut Page| page.value("getComputedStyle(document.body).backgroundColor");
+    let light = ground(page);
     let dark = json!({ "features": [{ "name": "prefers-color-scheme", "value": "dark" }] });
     page.call("Emulation.setEmulatedMedia", dark);
-    assert_ne!(page.value(ground), light);
+    page.soon(ground, |dark| *dark != light);
     page.click("#theme");
-    assert_eq!(page.value(ground), light, "the button turns the lights on");
+    page.soon(ground, |now| *now == light);
     page.size(390, 800);
     page.wait_for("innerWidth === 390");
-    assert_eq!(
-        page.value("document.documentElement.scrollWidth <= innerWidth"),
-        true,
-        "no sideways scrolling"
-    );
+    // No sideways scrolling.
+    page.wait_for("document.documentElement.scrollWidth <= innerWidth");
 }

@@ -22,7 +22,7 @@ fn is_idle(target: &str, message: &str) -> bool {
 }
 
 thread_local! {
-    /// Since the drawing was begun that this thread reads, each once.
+    /// Since the drawing was begun that this thread reads.
     static HEARD: RefCell<Vec<String>> = const { RefCell::new(Vec::new()) };
 }
 
