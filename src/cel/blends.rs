@@ -52,12 +52,13 @@ impl Blends {
         self.number += 1;
     }
 
-    /// A sheet in the group as a source.
-    pub fn source(&self, sheet: Sheet) -> Blended {
-        Blended::new(self.mode, sheet.faded(self.opacity))
+    /// Makes of what lies behind a sheet in the group the sheet that stands for both.
+    pub fn before(&self, sheet: Sheet) -> impl Fn(Sheet) -> Sheet + Copy {
+        let (source, background) = (Blended::new(self.mode, sheet.faded(self.opacity)), self.background);
+        move |behind| source.before(behind, background)
     }
 
-    /// The sheet that stands for one in the group and what lies behind it.
+    /// The same where borders are.
     #[inline(always)]
     fn of(&mut self, sheet: Sheet, behind: Sheet) -> Sheet {
         const FACTOR: u64 = 0x9e37_79b9_7f4a_7c15;
@@ -77,9 +78,10 @@ impl Blends {
         self.learn(place, sheet, behind)
     }
 
+    /// Apart, for it is seldom called.
     #[inline(never)]
     fn learn(&mut self, place: usize, sheet: Sheet, behind: Sheet) -> Sheet {
-        let seen = self.source(sheet).before(behind, self.background);
+        let seen = self.before(sheet)(behind);
         self.known[place] = KnownBlend { number: self.number, sheet, behind, seen };
         seen
     }
@@ -92,7 +94,7 @@ impl Blends {
         parts: &mut A,
         entries: &mut Vec<Entry<A::Part>>,
     ) -> Content {
-        if behind.is_simple(parts, entries) && source.is_simple(parts, entries) {
+        if behind.make_simple(parts, entries) && source.make_simple(parts, entries) {
             let both = match (source.is_uniform(), behind.is_uniform()) {
                 (true, true) => Some(Content::of_sheet(self.of(source.sheet, behind.sheet))),
                 (true, false) => {

@@ -4,11 +4,12 @@
 
 use super::groups::Content;
 use crate::coverage::{Part, Parts};
+use crate::pixel::few::MOST_LEAVES;
 use crate::scene::paint::Sheet;
 use crate::zlist::{Entry, Kind, NO_ENTRY};
 
-/// Sheets of a partition at most: four borders, as many as have a closed form, part a pixel in as many regions.
-const MOST_REGIONS: usize = 16;
+/// Sheets of a partition at most: as many as there are sets of fragments that have a closed form.
+const MOST_REGIONS: usize = 1 << MOST_LEAVES;
 
 /// Entries of a list of which a partition is made. Most that are longer have too many regions.
 const MOST_LAYERS: usize = 16;
@@ -21,9 +22,15 @@ impl Content {
         content
     }
 
-    /// Is the list a partition, and no sheet before it?
+    /// Is it a partition, with no sheet before it?
     #[inline]
     pub fn is_partition<P: Part>(&self, entries: &[Entry<P>]) -> bool {
+        self.sheet.is_same(Sheet::CLEAR) && self.has_partition(entries)
+    }
+
+    /// Is the list one?
+    #[inline]
+    fn has_partition<P: Part>(&self, entries: &[Entry<P>]) -> bool {
         let mut next = self.first;
         while let Some(entry) = entries.get(next as usize) {
             match entry.kind {
@@ -33,7 +40,7 @@ impl Content {
                 _ => return false,
             }
         }
-        self.sheet.is_same(Sheet::CLEAR)
+        true
     }
 
     /// Makes another sheet of each region's, and one of the rest of the pixel, which was clear.
@@ -59,25 +66,23 @@ impl Content {
         }
     }
 
-    /// Is it one sheet, or a partition that it is made?
-    #[inline(always)]
-    pub fn is_simple<A: Parts>(&mut self, parts: &mut A, entries: &mut Vec<Entry<A::Part>>) -> bool {
-        self.is_uniform() || self.is_partition(entries) || self.make_partition(parts, entries)
-    }
-
-    /// Makes it a partition; `false` if it is too long, has groups or gradients.
-    pub fn make_partition<A: Parts>(&mut self, parts: &mut A, entries: &mut Vec<Entry<A::Part>>) -> bool {
-        let front = std::mem::replace(&mut self.sheet, Sheet::CLEAR);
-        let done = self.is_partition(entries) || self.part_layers(parts, entries);
-        match done {
-            true if !front.is_same(Sheet::CLEAR) => self.repaint(|sheet| front.over(sheet), entries),
-            true => {}
-            false => self.sheet = front,
+    /// Makes it one sheet or a partition; `false` if the list is too long, has groups or gradients.
+    #[inline]
+    pub fn make_simple<A: Parts>(&mut self, parts: &mut A, entries: &mut Vec<Entry<A::Part>>) -> bool {
+        if self.is_uniform() {
+            return true;
         }
-        done
+        if !self.has_partition(entries) && !self.part_layers(parts, entries) {
+            return false;
+        }
+        let front = std::mem::replace(&mut self.sheet, Sheet::CLEAR);
+        if !front.is_same(Sheet::CLEAR) {
+            self.repaint(|sheet| front.over(sheet), entries);
+        }
+        true
     }
 
-    /// Parts what layers make of the pixel, without what lies before the list.
+    /// Makes the list one, of what its layers make of the pixel.
     fn part_layers<A: Parts>(&mut self, parts: &mut A, entries: &mut Vec<Entry<A::Part>>) -> bool {
         let mut layers = [(A::Part::WHOLE, Sheet::CLEAR, false); MOST_LAYERS];
         let mut count = 0;
@@ -113,7 +118,7 @@ impl Content {
                 None => return false,
             }
         }
-        *self = all;
+        (self.first, self.last) = (all.first, all.last);
         true
     }
 

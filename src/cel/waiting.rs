@@ -127,7 +127,7 @@ impl Cel {
             let blends = &mut waiting.blends;
             blends.start(mode, opacity, background);
             for run in waiting.runs.drain(first_run..) {
-                self.resume_run(run, blends, background, parts, entries);
+                self.resume_run(run, blends, parts, entries);
             }
             for Pixel { at: (row, x), before, source } in waiting.pixels.drain(first_pixel..) {
                 let behind = self.content(row, x);
@@ -143,15 +143,14 @@ impl Cel {
         &mut self,
         Run { row, from, to, before, source }: Run,
         blends: &mut Blends,
-        background: Sheet,
         parts: &mut A,
         entries: &mut Vec<Entry<A::Part>>,
     ) {
         let nothing_before = before.is_same(Sheet::CLEAR);
-        let prepared = blends.source(source);
+        let blended = blends.before(source);
         let seen = |behind: Sheet| match nothing_before {
-            true => prepared.before(behind, background),
-            false => before.over(prepared.before(behind, background)),
+            true => blended(behind),
+            false => before.over(blended(behind)),
         };
         for (word, mask) in word_masks(from, to) {
             let (_, uniform, listed) = self.states(row, word);
@@ -167,6 +166,7 @@ impl Cel {
                 let mut behind = self.content(at.0, at.1);
                 if behind.is_partition(entries) {
                     behind.repaint(seen, entries);
+                    // The list may have grown; there is still no sheet before it.
                     self.lists[at.0 * self.width + at.1] = (behind.first, behind.last);
                 } else {
                     let blended = blends.of_lists(Content::of_sheet(source), behind, parts, entries);

@@ -13,6 +13,8 @@ pub(crate) struct Source {
     /// Not premultiplied; the fourth component means nothing.
     straight: Pixel,
     seen: Seen,
+    /// Do alphas add up, too, as for `plus-lighter`?
+    adds: bool,
 }
 
 /// What is seen in front of a backdrop, neither of them clear; the fourth component means nothing, that of the backdrop
@@ -21,40 +23,56 @@ type Seen = fn(&Source, Pixel, f32) -> Pixel;
 
 impl Source {
     pub fn new(mode: BlendMode, pixel: Pixel) -> Source {
+        macro_rules! by_component {
+            ($mixed:expr) => {
+                |source, backdrop, alpha| source.separable(backdrop, alpha, $mixed)
+            };
+        }
+        macro_rules! by_color {
+            ($mixed:expr) => {
+                |source, backdrop, alpha| source.non_separable(backdrop, alpha, $mixed)
+            };
+        }
         let seen: Seen = match mode {
             BlendMode::Normal => |source, backdrop, _| over(source.pixel, backdrop),
             BlendMode::PlusLighter => {
                 |source, backdrop, _| each(|i| least(source.pixel[i] + backdrop[i], 1.0))
             }
-            BlendMode::Multiply => |source, backdrop, alpha| source.separable(backdrop, alpha, multiply),
-            BlendMode::Screen => |source, backdrop, alpha| source.separable(backdrop, alpha, screen),
-            BlendMode::Overlay => {
-                |source, backdrop, alpha| source.separable(backdrop, alpha, |s, b| hard_light(b, s))
-            }
-            BlendMode::Darken => |source, backdrop, alpha| source.separable(backdrop, alpha, least),
-            BlendMode::Lighten => |source, backdrop, alpha| source.separable(backdrop, alpha, most),
-            BlendMode::ColorDodge => |source, backdrop, alpha| source.separable(backdrop, alpha, color_dodge),
-            BlendMode::ColorBurn => |source, backdrop, alpha| source.separable(backdrop, alpha, color_burn),
-            BlendMode::HardLight => |source, backdrop, alpha| source.separable(backdrop, alpha, hard_light),
-            BlendMode::SoftLight => |source, backdrop, alpha| source.separable(backdrop, alpha, soft_light),
-            BlendMode::Difference => {
-                |source, backdrop, alpha| source.separable(backdrop, alpha, |s, b| (s - b).abs())
-            }
-            BlendMode::Exclusion => {
-                |source, backdrop, alpha| source.separable(backdrop, alpha, |s, b| s + b - 2.0 * s * b)
-            }
-            BlendMode::Hue => |source, backdrop, alpha| source.non_separable(backdrop, alpha, BlendMode::Hue),
-            BlendMode::Saturation => {
-                |source, backdrop, alpha| source.non_separable(backdrop, alpha, BlendMode::Saturation)
-            }
+            BlendMode::Multiply => by_component!(multiply),
+            BlendMode::Screen => by_component!(screen),
+            BlendMode::Overlay => by_component!(|s, b| hard_light(b, s)),
+            BlendMode::Darken => by_component!(least),
+            BlendMode::Lighten => by_component!(most),
+            BlendMode::ColorDodge => by_component!(color_dodge),
+            BlendMode::ColorBurn => by_component!(color_burn),
+            BlendMode::HardLight => by_component!(hard_light),
+            BlendMode::SoftLight => by_component!(soft_light),
+            BlendMode::Difference => by_component!(|s, b| (s - b).abs()),
+            BlendMode::Exclusion => by_component!(|s, b| s + b - 2.0 * s * b),
+            BlendMode::Hue => by_color!(|source, backdrop| {
+                with_luminosity(with_saturation(source, saturation(backdrop)), luminosity(backdrop))
+            }),
+            BlendMode::Saturation => by_color!(|source, backdrop| {
+                with_luminosity(with_saturation(backdrop, saturation(source)), luminosity(backdrop))
+            }),
             BlendMode::Color => {
-                |source, backdrop, alpha| source.non_separable(backdrop, alpha, BlendMode::Color)
+                by_color!(|source, backdrop| with_luminosity(source, luminosity(backdrop)))
             }
             BlendMode::Luminosity => {
-                |source, backdrop, alpha| source.non_separable(backdrop, alpha, BlendMode::Luminosity)
+                by_color!(|source, backdrop| with_luminosity(backdrop, luminosity(source)))
             }
         };
-        Source { pixel, straight: straight(pixel, pixel[3]), seen }
+        let adds = mode == BlendMode::PlusLighter;
+        Source { pixel, straight: straight(pixel, pixel[3]), seen, adds }
+    }
+
+    /// The light that passes both, 0 ..= 1, of what passes the source and the backdrop.
+    #[inline]
+    pub fn through(&self, source: f32, backdrop: f32) -> f32 {
+        match self.adds {
+            true => most(source + backdrop - 1.0, 0.0),
+            false => source * backdrop,
+        }
     }
 
     /// What is seen of it in front of a backdrop whose alpha comes after it; the fourth components mean nothing.
@@ -86,9 +104,16 @@ impl Source {
         self.composed(backdrop, alpha, |s, b| each(|i| mixed(s[i], b[i])))
     }
 
-    fn non_separable(&self, backdrop: Pixel, alpha: f32, mode: BlendMode) -> Pixel {
+    /// The whole colour at once.
+    #[inline(always)]
+    fn non_separable(
+        &self,
+        backdrop: Pixel,
+        alpha: f32,
+        mixed: impl Fn([f32; 3], [f32; 3]) -> [f32; 3],
+    ) -> Pixel {
         self.composed(backdrop, alpha, |[sr, sg, sb, _], [br, bg, bb, _]| {
-            let [r, g, b] = non_separable(mode, [sr, sg, sb], [br, bg, bb]);
+            let [r, g, b] = mixed([sr, sg, sb], [br, bg, bb]);
             [r, g, b, 0.0]
         })
     }
@@ -109,12 +134,10 @@ impl Source {
 /// What is seen of `source` in front of `backdrop`.
 #[inline]
 pub(crate) fn blend(mode: BlendMode, source: Pixel, backdrop: Pixel) -> Pixel {
-    let mut seen = Source::new(mode, source).before(backdrop, backdrop[3]);
-    let (own, other) = (source[3], backdrop[3]);
-    seen[3] = match mode {
-        BlendMode::PlusLighter => least(own + other, 1.0),
-        _ => own + other * (1.0 - own),
-    };
+    let pixel = source;
+    let source = Source::new(mode, pixel);
+    let mut seen = source.before(backdrop, backdrop[3]);
+    seen[3] = 1.0 - source.through(1.0 - pixel[3], 1.0 - backdrop[3]);
     seen
 }
 
@@ -200,19 +223,6 @@ fn soft_light(s: f32, b: f32) -> f32 {
         darkened
     } else {
         lightened
-    }
-}
-
-fn non_separable(mode: BlendMode, source: [f32; 3], backdrop: [f32; 3]) -> [f32; 3] {
-    match mode {
-        BlendMode::Hue => {
-            with_luminosity(with_saturation(source, saturation(backdrop)), luminosity(backdrop))
-        }
-        BlendMode::Saturation => {
-            with_luminosity(with_saturation(backdrop, saturation(source)), luminosity(backdrop))
-        }
-        BlendMode::Color => with_luminosity(source, luminosity(backdrop)),
-        _ => with_luminosity(backdrop, luminosity(source)),
     }
 }
 

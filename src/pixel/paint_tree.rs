@@ -72,14 +72,18 @@ impl Blended {
             return self.before_background(behind, background);
         }
         let mut seen = self.source.before(behind.channels(), 1.0 - behind.through());
-        seen[3] = through * behind.through();
+        seen[3] = self.source.through(through, behind.through());
         Sheet::from_channels(seen)
     }
 
+    /// Apart, so that the usual way is short.
     #[inline(never)]
     fn before_background(&self, behind: Sheet, background: Sheet) -> Sheet {
-        let [r, g, b, _] = self.source.own_color(pixel_of(behind.over(background)));
-        Sheet::from_channels([r, g, b, self.sheet.through()]).over(behind)
+        let (through, [r, g, b, alpha]) = (self.sheet.through(), pixel_of(behind.over(background)));
+        let seen = self.source.before([r, g, b, alpha], alpha);
+        // What, over the backdrop, comes out as what is seen. Of `plus-lighter` it may be more than its alpha.
+        let own = [seen[0] - through * r, seen[1] - through * g, seen[2] - through * b, through];
+        Sheet::from_channels(own.map(|v| v.max(0.0))).over(behind)
     }
 }
 
@@ -94,7 +98,7 @@ struct Open {
     /// What stands in front of it.
     before: Sheet,
     part: Part,
-    /// What the tree says of what is around it.
+    /// As in the tree, of what is around it.
     hidden: bool,
     vague: bool,
 }
@@ -281,6 +285,19 @@ mod tests {
         };
         assert_near(picture(false), [1.0, 0.0, 0.0, 0.0]);
         assert_near(picture(true), [1.0, 1.0, 1.0, 0.0]);
+    }
+
+    #[test]
+    fn a_knock_out_hides_what_lies_behind_it_in_its_own_group() {
+        let mut tree = PaintTree::behind(Sheet::CLEAR);
+        tree.start(Composite::faded(0.5));
+        tree.knock_out(Sheet::new(WHITE, 0.5));
+        assert!(tree.is_hidden() && !tree.is_done());
+        tree.end();
+        assert!(!tree.is_hidden());
+        tree.knock_out(Sheet::new(RED, 0.5));
+        assert!(tree.is_done());
+        assert_near(tree.over(Sheet::CLEAR), [0.25 + 0.75 * 0.5, 0.25, 0.25, 0.75 * 0.5]);
     }
 
     #[test]

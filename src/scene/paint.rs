@@ -56,6 +56,7 @@ impl Sheet {
     /// Bit by bit.
     #[inline]
     pub fn is_same(self, other: Sheet) -> bool {
+        // All four at once.
         let differing = |i: usize| self.channels[i].to_bits() ^ other.channels[i].to_bits();
         (0..4).fold(0, |any, i| any | differing(i)) == 0
     }

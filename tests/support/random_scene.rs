@@ -24,7 +24,7 @@ pub struct RandomScene {
     count: usize,
 }
 
-const BLEND_MODES: [&str; 15] = [
+const BLEND_MODES: [&str; 16] = [
     "multiply",
     "screen",
     "overlay",
@@ -40,6 +40,7 @@ const BLEND_MODES: [&str; 15] = [
     "saturation",
     "color",
     "luminosity",
+    "plus-lighter",
 ];
 
 impl RandomScene {
