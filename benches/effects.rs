@@ -162,7 +162,7 @@ fn pages(count: usize) -> String {
     (0..count).map(page).collect()
 }
 
-/// Circles that blend, each by itself, some 30 over a pixel, and their borders in most.
+/// Circles that blend, each by itself, a tenth of them over a pixel, and of 300 and more their borders in most.
 fn deep_circles(count: usize) -> String {
     let circle = |i: usize| {
         let (x, y, color) = ((i * 145) % 1024, (i * 219) % 1024, (i * 1237) % 0xfff);
@@ -284,6 +284,7 @@ fn scenes() -> Vec<(&'static str, String)> {
         ("blend, 200 pages", format!("{paper}{}", pages(200))),
         ("blend, 200 large circles", format!("{paper}{}", large_circles(200))),
         ("blend, 300 deep", deep_circles(300)),
+        ("blend, 1000 deep", deep_circles(1000)),
         ("blend, 60 small", format!("{paper}{}", circles(60, "style='mix-blend-mode:multiply'"))),
         ("pattern", pattern(64, "")),
         ("pattern, turned", pattern(64, "rotate(13)")),

@@ -345,50 +345,6 @@ fn what_is_wrong_with_every_frame_of_a_film_is_said_once() {
 }
 
 #[test]
-fn what_is_not_drawn_is_warned_of_once_a_kind_unless_quiet() {
-    let folder = Folder::with(
-        r##"<svg xmlns="http://www.w3.org/2000/svg" width="9" height="9">
-        <image id="lost" width="5" height="5" href="none.png"/>
-        <image width="5" height="5" href="data:image/png;base64,AAAA"/>
-        <text y="8" font-family="none such">words</text></svg>"##,
-    );
-    let output = folder.run(&["--skip-system-fonts", "in.svg", "out.png"]);
-    assert_eq!(output.status.code(), Some(0));
-    let said = stderr(&output);
-    let lines: Vec<&str> = said.lines().collect();
-    assert_eq!(lines.len(), 2, "{said}");
-    assert!(lines[0].ends_with("warning: images are not drawn: element 'lost' and 1 more"), "{said}");
-    assert!(lines[1].contains("warning: texts without a font are not drawn: text in font-family"), "{said}");
-    assert_success(&folder.run(&["--skip-system-fonts", "-q", "in.svg", "out.png"]));
-}
-
-#[test]
-fn what_the_parser_cannot_read_is_warned_of_once_a_kind_unless_quiet() {
-    let folder = Folder::with(
-        "<svg xmlns='http://www.w3.org/2000/svg' width='9' height='9'>
-        <style>rect:nth-child(2) { fill: red }</style><rect width='3' height='3' fill='rebeccapurple'/>
-        <rect width='3' height='3' fill='rebeccapurple'/><rect width='3' height='3' fill='var(--c, green)'/>
-        <rect width='3' height='3' style='transform: translate(0, 5px)'/></svg>",
-    );
-    let output = folder.run(&["in.svg", "out.png"]);
-    assert_eq!(output.status.code(), Some(0));
-    let said = stderr(&output);
-    let warned = [
-        "':nth-child' is not supported",
-        "'rebeccapurple'. Fallback to black (and 1 more like it)",
-        "transform",
-    ];
-    assert_eq!(said.lines().count(), warned.len(), "{said}");
-    for (line, what) in said.lines().zip(warned) {
-        assert!(line.starts_with("toon-raster: in.svg: warning: ") && line.contains(what), "{said}");
-    }
-    let said = stderr(&folder.run(&["-q", "in.svg", "out.png"]));
-    assert_eq!(said, "");
-    let said = stderr(&folder.run(&["-v", "in.svg", "out.png"]));
-    assert_eq!(said.matches("'rebeccapurple'").count(), 2, "{said}");
-}
-
-#[test]
 fn too_many_pixels_are_refused_with_the_name_of_the_flag() {
     let folder = Folder::with(SQUARE);
     assert_fails(&folder.run(&["-w", "65536", "in.svg", "out.png"]), 3, "--max-pixels");

@@ -88,6 +88,20 @@ fn a_blend_mode_mixes_with_what_lies_below_in_its_own_group_only() {
 }
 
 #[test]
+fn plus_lighter_adds_up_colours_and_alphas_on_paper_and_on_clear_pages() {
+    let half = "<path d='M0 0h8v8h-8z' fill='#0f0' fill-opacity='.5' style='mix-blend-mode:plus-lighter'/>";
+    let behind = |fill: &str| render(8, 8, &format!("<path d='M0 0h4.5v8h-4.5z' {fill}/>{half}"));
+    let clear = behind("fill='#f00' fill-opacity='.5'");
+    assert_pixel(&clear, (1, 1), [128, 128, 0, 255]);
+    assert_pixel(&clear, (6, 1), [0, 255, 0, 128]);
+    // Half of it opaque, half half so: of all light a third is red.
+    assert_pixel(&clear, (4, 1), [85, 170, 0, 191]);
+    let paper = behind("fill='#fff'");
+    assert_pixel(&paper, (1, 1), [255, 255, 255, 255]);
+    assert_pixel(&behind("fill='#804000'"), (1, 1), [128, 192, 0, 255]);
+}
+
+#[test]
 fn a_background_is_what_blend_modes_meet_too() {
     let settings = Settings { background: Some([255, 255, 0, 255]), ..Settings::default() };
     let body = "<rect width='4' height='4' fill='#0ff' style='mix-blend-mode:multiply'/>";

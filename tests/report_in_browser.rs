@@ -15,11 +15,8 @@ use std::process::{Child, Command, Stdio};
 use std::sync::mpsc::{self, Receiver};
 use std::time::{Duration, Instant};
 
-/// For one answer of the browser, on a busy machine.
+/// For one answer of the browser, or for the page to do what an event asks for, on a busy machine.
 const PATIENCE: Duration = Duration::from_secs(60);
-
-/// For the page to have done what an event asks for.
-const SOON: Duration = Duration::from_secs(20);
 
 /// How often the page is tried before it is called broken.
 const ATTEMPTS: usize = 3;
@@ -137,11 +134,7 @@ impl Page {
     /// Waits until it is so.
     #[track_caller]
     fn wait_for(&mut self, expression: &str) {
-        let start = Instant::now();
-        while self.value(expression) != true {
-            assert!(start.elapsed() < SOON, "never: {expression}");
-            std::thread::sleep(Duration::from_millis(50));
-        }
+        self.soon(|page| page.value(expression), |value| *value == true);
     }
 
     /// Waits until what is looked at is so: the browser handles an event when it will. Gives what is seen then.
@@ -153,7 +146,7 @@ impl Page {
             if is_so(&seen) {
                 return seen;
             }
-            assert!(start.elapsed() < SOON, "never so, at last {seen}");
+            assert!(start.elapsed() < PATIENCE, "never so, at last {seen}");
             std::thread::sleep(Duration::from_millis(50));
         }
     }

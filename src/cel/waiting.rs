@@ -148,9 +148,13 @@ impl Cel {
     ) {
         let nothing_before = before.is_same(Sheet::CLEAR);
         let blended = blends.before(source);
-        let seen = |behind: Sheet| match nothing_before {
-            true => blended(behind),
-            false => before.over(blended(behind)),
+        let seen = |behind: Sheet| {
+            let seen = blended(behind);
+            if nothing_before {
+                seen
+            } else {
+                before.over(seen)
+            }
         };
         for (word, mask) in word_masks(from, to) {
             let (_, uniform, listed) = self.states(row, word);
@@ -165,7 +169,7 @@ impl Cel {
                 let at = (row, word * 64 + x);
                 let mut behind = self.content(at.0, at.1);
                 if behind.is_partition(entries) {
-                    behind.repaint(seen, entries);
+                    behind.repaint(&seen, entries);
                     // The list may have grown; there is still no sheet before it.
                     self.lists[at.0 * self.width + at.1] = (behind.first, behind.last);
                 } else {

@@ -250,7 +250,7 @@ pub fn job(argv: impl Iterator<Item = OsString>) -> Result<Job, String> {
     if arguments.query.list_fonts {
         return Ok(Job::ListFonts(arguments.fonts));
     }
-    hear_parser(arguments.report.quiet, arguments.report.verbose);
+    parser_log::hear(arguments.report.quiet, arguments.report.verbose);
     arguments.part.warn_of_idle(arguments.report.quiet);
     if arguments.query.query_all || arguments.query.query_bbox {
         return query_job(arguments);
@@ -269,13 +269,6 @@ fn first_line(error: &clap::Error) -> String {
         message = format!("{message} {}", list.join(" "));
     }
     format!("{message} (see --help)")
-}
-
-/// Hears what the SVG parser logs, unless only errors are to be said.
-pub(super) fn hear_parser(quiet: bool, verbose: bool) {
-    if !quiet {
-        parser_log::hear(verbose);
-    }
 }
 
 fn query_job(arguments: Arguments) -> Result<Job, String> {

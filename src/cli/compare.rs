@@ -101,10 +101,8 @@ fn one(job: &mut CompareJob, source: &Source, progress: &mut Progress) -> Result
     let viewport = size::viewport(&tree, &Part::Page, job.fit, job.max_pixels)?;
     let scene = Scene::from_tree(&tree)?;
     let parse = parsing.elapsed();
-    report::warnings(&source.name(), scene.warnings(), job.voice);
-    report::warnings(&source.name(), &unmatched, job.voice);
-    parser_log::tell(&source.name(), job.voice);
     let name = source.name();
+    view::warn(&name, &scene, &unmatched, job.voice);
     let subject = Subject { name: name.clone(), bytes: &bytes, tree: &tree, scene: &scene, viewport, parse };
     let mut under_way = false;
     let compared = compare(&subject, &job.options, &mut |what| {

@@ -3,6 +3,7 @@
 use super::args::{self, ReadingOptions, SizeOptions};
 use super::compare::CompareJob;
 use super::fonts::FontOptions;
+use super::parser_log;
 use super::places::Source;
 use super::report::Voice;
 use super::values::{self, Color, ProgressStyle};
@@ -122,7 +123,7 @@ impl CompareArguments {
         if inputs.iter().filter(|input| **input == Source::Stdin).count() > 1 {
             return Err("standard input can be read only once".to_string());
         }
-        args::hear_parser(output.quiet, output.verbose);
+        parser_log::hear(output.quiet, output.verbose);
         let mut methods = self.methods;
         if methods.is_empty() {
             methods = Method::ALL.to_vec();

@@ -3,6 +3,7 @@
 use super::args::{self, PartOptions, PictureOptions, ReadingOptions, SizeOptions};
 use super::explain::ExplainJob;
 use super::fonts::FontOptions;
+use super::parser_log;
 use super::places::Source;
 use super::report::Voice;
 use super::view::View;
@@ -56,7 +57,7 @@ impl ExplainArguments {
         if inputs.iter().filter(|input| **input == Source::Stdin).count() > 1 {
             return Err("standard input can be read only once".to_string());
         }
-        args::hear_parser(self.quiet, self.verbose);
+        parser_log::hear(self.quiet, self.verbose);
         self.part.warn_of_idle(self.quiet);
         Ok(Job::Explain(Box::new(ExplainJob {
             inputs,

@@ -3,22 +3,23 @@
 //! Where the parser drops an element or takes another value for one that it cannot read, its log is the only one
 //! to tell. What it says of drawings nested so deep that it needs a thread of its own is heard verbosely only.
 
-use super::report::{self, Voice};
+use super::report;
 use std::cell::RefCell;
 use std::collections::HashSet;
 
-/// Messages of one drawing that are kept.
+/// Messages of one drawing that are kept: what comes later is not told.
 const MOST: usize = 10_000;
+
+/// Of shapes without a size, which are rightly not drawn.
+const NO_SIZE: [&str; 5] =
+    ["invalid 'width'", "invalid 'height'", "invalid 'rx'", "invalid 'ry'", "invalid 'r'"];
 
 /// Is this told otherwise, or nothing to tell of?
 fn is_idle(target: &str, message: &str) -> bool {
-    // The loader tells what comes of fonts that are not there; keyframes are ours to animate by; what has no size
-    // is rightly not drawn.
+    // The loader tells what comes of fonts that are not there; keyframes are ours to animate by.
     target == "usvg::text"
         || message.starts_with("The @keyframes rule")
-        || ["width", "height", "rx", "ry", "r"]
-            .iter()
-            .any(|of| message.contains(&format!("an invalid '{of}'")))
+        || NO_SIZE.iter().any(|what| message.contains(what))
 }
 
 thread_local! {
@@ -26,12 +27,12 @@ thread_local! {
     static HEARD: RefCell<Vec<String>> = const { RefCell::new(Vec::new()) };
 }
 
-/// Hears the parser from now on. Verbosely, everything it says goes to standard error at once, with the part of it that
-/// speaks.
-pub fn hear(verbose: bool) {
+/// Hears the parser from now on, unless only errors are to be said. Verbosely, all that it says goes to standard error at
+/// once, with the part of it that speaks.
+pub fn hear(quiet: bool, verbose: bool) {
     static KEEPS: Logger = Logger { verbose: false };
     static SAYS: Logger = Logger { verbose: true };
-    if log::set_logger(if verbose { &SAYS } else { &KEEPS }).is_ok() {
+    if !quiet && log::set_logger(if verbose { &SAYS } else { &KEEPS }).is_ok() {
         log::set_max_level(log::LevelFilter::Warn);
     }
 }
@@ -42,12 +43,8 @@ pub fn begin() {
 }
 
 /// Warns of what has been heard of the drawing called `name`.
-pub fn tell(name: &str, voice: Voice) {
-    let heard = HEARD.take();
-    if voice.quiet {
-        return;
-    }
-    for (first, count) in by_kind(&heard) {
+pub fn tell(name: &str) {
+    for (first, count) in by_kind(&HEARD.take()) {
         let others = if count > 1 { format!(" (and {} more like it)", count - 1) } else { String::new() };
         report::line(&format!("{name}: warning: {first}{others}"));
     }
@@ -65,7 +62,7 @@ impl log::Log for Logger {
     fn log(&self, record: &log::Record) {
         if self.verbose {
             report::line(&format!("{}: {}", record.target(), record.args()));
-        } else if self.enabled(record.metadata()) {
+        } else {
             HEARD.with_borrow_mut(|heard| {
                 if heard.len() < MOST {
                     let message = record.args().to_string();

@@ -53,9 +53,7 @@ impl View {
         let (tree, unmatched) = load::tree_and_warnings(bytes, &self.options)?;
         let viewport = size::viewport(&tree, &self.part, self.fit, self.max_pixels)?;
         let scene = self.scene(&tree)?;
-        report::warnings(name, scene.warnings(), self.voice);
-        report::warnings(name, &unmatched, self.voice);
-        parser_log::tell(name, self.voice);
+        warn(name, &scene, &unmatched, self.voice);
         Ok(Seen { scene, viewport, unmatched })
     }
 
@@ -74,6 +72,13 @@ impl View {
     pub fn is_opaque(&self) -> bool {
         self.settings.background.is_some_and(|color| color[3] == 255)
     }
+}
+
+/// Warns of what of a drawing is not drawn, and of what the parser said of it.
+pub fn warn(name: &str, scene: &Scene, unmatched: &[Warning], voice: Voice) {
+    report::warnings(name, scene.warnings(), voice);
+    report::warnings(name, unmatched, voice);
+    parser_log::tell(name);
 }
 
 /// Where relative links of a drawing start from.

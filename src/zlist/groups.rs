@@ -151,23 +151,33 @@ fn key_of(kind: &Kind, set: u8) -> Key {
 impl ZLists<'_> {
     /// The colour of a pixel with a few fragments and groups, or `None` if this is not so.
     pub fn few_in_groups(&self, head: Head, around: &Surroundings, resolver: &mut Resolver) -> Option<Mean> {
-        let first = self.entries.get(head.first as usize)?;
-        let mut mean = Mean::default();
-        if matches!(first.kind, Kind::Knockout(_)) {
-            self.read_partition(head, &mut resolver.known_colors.reading)?;
-            let areas = self.areas_of_sets(resolver)?;
-            let regions = &resolver.known_colors.reading.regions;
-            for (set, area) in some_area(&areas) {
-                let region = regions.iter().find(|(own, _)| set & usize::from(*own) == usize::from(*own));
-                let seen = region.map_or(Sheet::CLEAR, |&(_, sheet)| sheet);
-                mean.add(head.front.over(seen.over(around.background)), area, around.linear);
-            }
-            return Some(mean);
+        match self.entries.get(head.first as usize)?.kind {
+            Kind::Knockout(_) => self.few_in_partition(head, around, resolver),
+            _ => self.few_in_list(head, around, resolver),
         }
+    }
+
+    /// The same for a partition: each set of fragments looks for what is seen there.
+    fn few_in_partition(&self, head: Head, around: &Surroundings, resolver: &mut Resolver) -> Option<Mean> {
+        self.read_partition(head, &mut resolver.known_colors.reading)?;
+        let areas = self.areas_of_sets(resolver)?;
+        let regions = &resolver.known_colors.reading.regions;
+        let mut mean = Mean::default();
+        for (set, area) in some_area(&areas) {
+            let region = regions.iter().find(|(own, _)| holds(set, *own));
+            let seen = region.map_or(Sheet::CLEAR, |&(_, sheet)| sheet);
+            mean.add(head.front.over(seen.over(around.background)), area, around.linear);
+        }
+        Some(mean)
+    }
+
+    /// The same for any list: each set is composited once, and kept.
+    fn few_in_list(&self, head: Head, around: &Surroundings, resolver: &mut Resolver) -> Option<Mean> {
         self.read_few(head, &mut resolver.known_colors.reading)?;
         let areas = self.areas_of_sets(resolver)?;
         let KnownColors { kept, reading, tree } = &mut resolver.known_colors;
         let mut kept = reading.find(kept, around.background);
+        let mut mean = Mean::default();
         for (set, area) in some_area(&areas) {
             let color = match &mut kept {
                 Some(kept) if kept.known >> set & 1 != 0 => kept.colors[set],
@@ -231,7 +241,7 @@ impl ZLists<'_> {
         Some(())
     }
 
-    /// `None` if the partition has too many fragments.
+    /// `None` if the list has too many fragments.
     #[inline]
     fn read_partition(&self, head: Head, reading: &mut Reading) -> Option<()> {
         reading.clear();
@@ -266,14 +276,20 @@ impl ZLists<'_> {
                 _ if tree.is_done() => break,
                 _ if tree.is_hidden() => {}
                 Kind::Blended(mode, source) => tree.blend(mode, source),
-                Kind::Sheet(sheet) if set & usize::from(own) == usize::from(own) => tree.paint(sheet),
-                Kind::Knockout(sheet) if set & usize::from(own) == usize::from(own) => tree.knock_out(sheet),
+                Kind::Sheet(sheet) if holds(set, own) => tree.paint(sheet),
+                Kind::Knockout(sheet) if holds(set, own) => tree.knock_out(sheet),
                 Kind::Sheet(_) | Kind::Knockout(_) => {}
                 Kind::Gradient(_) => unreachable!("lists with gradients are not read"),
             }
         }
         tree.over(background)
     }
+}
+
+/// Are all of these fragments in the set?
+#[inline]
+fn holds(set: usize, fragments: u8) -> bool {
+    set & usize::from(fragments) == usize::from(fragments)
 }
 
 /// The areas of what lies outside and inside one fragment.

@@ -6,22 +6,19 @@ use super::*;
 fn coordinates_of_a_million_under_a_view_box_are_as_exact_as_small_ones() {
     // Multiples of 1/16 are exact in single precision up to a million.
     let local = [[1.1875, 0.5], [30.5625, 8.25], [17.0, 31.4375], [3.75, 20.0]];
-    let far: Vec<Point> = local.iter().map(|p| [p[0] + 1e6, p[1] + 1e6]).collect();
-    let document = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"32\" height=\"32\" \
-         viewBox=\"1000000 1000000 32 32\">{}{}</svg>",
-        rect(999_999.0, 999_999.0, 1_000_033.0, 1_000_033.0, "#000"),
-        path(&ring(&far), "#fff", "")
-    );
-    assert_matches(&render(&document), &coverage(32, 32, &[local.to_vec()]), STRAIGHT, "far away");
-    let wide: Vec<Point> = local.iter().map(|p| [p[0] * 32768.0, p[1] * 32768.0]).collect();
-    let document = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"32\" height=\"32\" \
-         viewBox=\"0 0 1048576 1048576\">{}{}</svg>",
-        rect(0.0, 0.0, 1048576.0, 1048576.0, "#000"),
-        path(&ring(&wide), "#fff", "")
-    );
-    assert_matches(&render(&document), &coverage(32, 32, &[local.to_vec()]), STRAIGHT, "large");
+    for (scale, offset, what) in [(1.0, 1e6, "far away"), (32768.0, 0.0, "large")] {
+        let placed = |ring: &[Point]| -> Vec<Point> {
+            ring.iter().map(|p| p.map(|v: f64| v * scale + offset)).collect()
+        };
+        let document = format!(
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"32\" height=\"32\" \
+             viewBox=\"{offset} {offset} {side} {side}\">{}{}</svg>",
+            path(&ring(&placed(&corners(-1.0, -1.0, 33.0, 33.0))), "#000", ""),
+            path(&ring(&placed(&local)), "#fff", ""),
+            side = 32.0 * scale
+        );
+        assert_matches(&render(&document), &coverage(32, 32, &[local.to_vec()]), STRAIGHT, what);
+    }
 }
 
 #[test]
