@@ -20,7 +20,7 @@ use crate::polygons::Flattener;
 use crate::scene::paint::Paint;
 use crate::scene::{ClipId, Scene};
 use crate::tiles::TilePlan;
-use crate::zlist::Entry;
+use crate::zlist::{Entry, Kind};
 use groups::OpenGroup;
 use kurbo::Affine;
 use std::sync::Arc;
@@ -115,9 +115,10 @@ impl<C: Coverage> BandRenderer<C> {
         let (cel, entries) = (&mut self.cels[depth], &mut self.entries);
         let place = place_of(rows);
         let style = style_of(outline);
+        let kind = brush.kind();
         for (row, columns) in places(bounds, rows) {
             let picture = (depth == 0 && !cel.waits_in(row)).then_some(&mut *rows);
-            let take = Painting { cel, row, brush: &brush, top: place.top, picture, entries };
+            let take = Painting { cel, row, brush: &brush, kind: &kind, top: place.top, picture, entries };
             let mut take = Clipping { row, clip: clip.as_deref(), take };
             self.coverage.row(row, columns, place, style, &mut take);
         }
@@ -289,6 +290,8 @@ struct Painting<'a, 'b, P> {
     cel: &'a mut Cel,
     row: usize,
     brush: &'a Brush<'a>,
+    /// Of the brush.
+    kind: &'a Kind,
     /// The band's first row.
     top: u32,
     /// As for [`Cel::solid`].
@@ -305,7 +308,7 @@ impl<A: Parts> TakeClipped<A> for Painting<'_, '_, A::Part> {
 
     #[inline(always)]
     fn part(&mut self, x: usize, part: A::Part, _: &mut A) {
-        self.cel.part(self.row, x, part, self.brush, self.entries);
+        self.cel.part(self.row, x, part, self.kind, self.entries);
     }
 }
 

@@ -52,7 +52,7 @@ impl Brush<'_> {
         }
     }
 
-    fn kind(&self) -> Kind {
+    pub fn kind(&self) -> Kind {
         match self {
             Brush::Flat(sheet, _) => Kind::Sheet(*sheet),
             Brush::Gradient { shape, .. } => Kind::Gradient(*shape),
@@ -297,21 +297,15 @@ impl Cel {
         saturated
     }
 
-    /// Paints a part of one pixel, behind all that was painted before.
+    /// Paints a part of one pixel, behind all that was painted before. `kind` is the brush's: made for each pixel
+    /// anew, it would be copied while it is being written, for which processors wait.
     #[inline(always)]
-    pub fn part<P: Part>(
-        &mut self,
-        row: usize,
-        x: usize,
-        part: P,
-        brush: &Brush,
-        entries: &mut Vec<Entry<P>>,
-    ) {
+    pub fn part<P: Part>(&mut self, row: usize, x: usize, part: P, kind: &Kind, entries: &mut Vec<Entry<P>>) {
         if self.finished.get(row, x) {
             return;
         }
         let pixel = row * self.width + x;
-        let (at, entry) = (entries.len() as u32, Entry { next: NO_ENTRY, part, kind: brush.kind() });
+        let (at, entry) = (entries.len() as u32, Entry { next: NO_ENTRY, part, kind: *kind });
         entries.push(entry);
         if self.listed.get(row, x) {
             let (_, last) = &mut self.lists[pixel];

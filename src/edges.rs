@@ -1,4 +1,4 @@
-//! Takes the lines of one shape, makes edges in fixed point, sorted in y into bands.
+//! Takes the lines of one shape, makes edges in fixed point, listed for each band that they meet.
 //!
 //! Promises: a line between two points is the same [`Edge`] whichever way it was drawn; its direction
 //! is kept as the sign of its winding. Nothing outside the picture is kept, but for what its winding
@@ -17,6 +17,9 @@ pub(crate) const BAND_ROWS: u32 = 8;
 /// Largest picture side in pixels. Coordinates are cut off a little beyond, where they still fit.
 pub(crate) const LARGEST_SIDE: u32 = 65_535;
 
+/// A band keeps the room of so many edges from one shape to the next.
+const MOST_KEPT: usize = 1024;
+
 /// Coordinates are cut off here, in pixels.
 const GUARD: f64 = 100_000.0;
 
@@ -26,6 +29,19 @@ pub(crate) fn round(v: f64) -> i32 {
     // Adding 1.5 * 2^52 leaves the rounded integer in the low bits of the mantissa.
     const MAGIC: f64 = 6_755_399_441_055_744.0;
     (v + MAGIC).to_bits() as i32
+}
+
+/// A coordinate of at most [`GUARD`] in fixed point.
+#[inline]
+fn fixed(v: f64) -> i32 {
+    round(v * f64::from(ONE))
+}
+
+/// The band that a height lies in, the first if it lies above the picture.
+#[inline]
+fn band_at(y: i32) -> usize {
+    const BAND_BITS: u32 = FRACTION_BITS + BAND_ROWS.trailing_zeros();
+    (y.max(0) >> BAND_BITS) as usize
 }
 
 /// A straight piece of a shape's border in fixed point pixels, always from the upper end to the lower
@@ -62,12 +78,10 @@ impl Bounds {
     }
 }
 
-/// A shape's edges, still in the order of its outline.
+/// A shape's edges as they come.
 pub(crate) struct EdgeList {
-    edges: Vec<Edge>,
-    /// For each band, and one more: how many more edges come into it from above, or begin there, than have left
-    /// behind the band before.
-    changes: Vec<i32>,
+    /// For each band those that meet it, in the order of the outline.
+    bands: Vec<Vec<Edge>>,
     /// Where the picture ends, in fixed point.
     right: i32,
     bottom: i32,
@@ -77,24 +91,23 @@ pub(crate) struct EdgeList {
     extent: Extent,
 }
 
-/// The rectangle around edges, in fixed point.
+/// The rectangle around points, in pixels.
 #[derive(Clone, Copy)]
 struct Extent {
-    left: i32,
-    top: i32,
-    right: i32,
-    bottom: i32,
+    least: [f64; 2],
+    most: [f64; 2],
 }
 
 impl Extent {
-    const EMPTY: Extent = Extent { left: i32::MAX, top: i32::MAX, right: i32::MIN, bottom: i32::MIN };
+    const EMPTY: Extent = Extent { least: [f64::INFINITY; 2], most: [f64::NEG_INFINITY; 2] };
 
+    /// A point that is not a number adds nothing.
     #[inline]
-    fn add(&mut self, edge: &Edge) {
-        self.left = self.left.min(edge.x0.min(edge.x1));
-        self.top = self.top.min(edge.y0);
-        self.right = self.right.max(edge.x0.max(edge.x1));
-        self.bottom = self.bottom.max(edge.y1);
+    fn add(&mut self, p: Point) {
+        for (axis, v) in [p.x, p.y].into_iter().enumerate() {
+            self.least[axis] = if v < self.least[axis] { v } else { self.least[axis] };
+            self.most[axis] = if v > self.most[axis] { v } else { self.most[axis] };
+        }
     }
 }
 
@@ -139,7 +152,6 @@ impl Corner {
     #[inline]
     fn new(exact: Point) -> Corner {
         let within = exact.x.abs() <= GUARD && exact.y.abs() <= GUARD;
-        let fixed = |v: f64| round(v * f64::from(ONE));
         Corner { exact, fixed: within.then(|| (fixed(exact.x), fixed(exact.y))) }
     }
 }
@@ -150,8 +162,7 @@ impl EdgeList {
         let [width, height] = [width, height].map(|side| side.clamp(1, LARGEST_SIDE));
         let origin = Corner::new(Point::ZERO);
         EdgeList {
-            edges: Vec::new(),
-            changes: vec![0; height.div_ceil(BAND_ROWS) as usize + 1],
+            bands: vec![Vec::new(); height.div_ceil(BAND_ROWS) as usize],
             right: (width as i32) << FRACTION_BITS,
             bottom: (height as i32) << FRACTION_BITS,
             start: origin,
@@ -173,11 +184,13 @@ impl EdgeList {
         self.close();
         self.start = Corner::new(p);
         self.last = self.start;
+        self.extent.add(p);
     }
 
     /// Adds a line, in pixels. A point that is not a number adds nothing.
     #[inline]
     pub fn line_to(&mut self, p: Point) {
+        self.extent.add(p);
         self.line(Corner::new(p));
     }
 
@@ -210,21 +223,20 @@ impl EdgeList {
     /// Cuts a long line to the guard rectangle. What lies left of it runs along its left side, since
     /// it still winds round the pixels.
     fn cut_to_guard(&mut self, a: Point, b: Point, winding: i32) {
-        let at_y = |y: f64| Point::new(a.x + (b.x - a.x) * ((y - a.y) / (b.y - a.y)), y);
-        let at_x = |x: f64| Point::new(x, a.y + (b.y - a.y) * ((x - a.x) / (b.x - a.x)));
-        let top = if a.y < -GUARD { at_y(-GUARD) } else { a };
-        let bottom = if b.y > GUARD { at_y(GUARD) } else { b };
-        let fixed = |p: Point| {
-            let clamped = Point::new(p.x.clamp(-GUARD, GUARD), p.y.clamp(-GUARD, GUARD));
-            (round(clamped.x * f64::from(ONE)), round(clamped.y * f64::from(ONE)))
-        };
+        // Rounding must not lead out of the rectangle around both ends.
+        let (left, right) = (a.x.min(b.x), a.x.max(b.x));
+        let x_at = |y: f64| (a.x + (b.x - a.x) * ((y - a.y) / (b.y - a.y))).clamp(left, right);
+        let y_at = |x: f64| (a.y + (b.y - a.y) * ((x - a.x) / (b.x - a.x))).clamp(a.y, b.y);
+        let top = if a.y < -GUARD { Point::new(x_at(-GUARD), -GUARD) } else { a };
+        let bottom = if b.y > GUARD { Point::new(x_at(GUARD), GUARD) } else { b };
+        let cut_off = |p: Point| (fixed(p.x.clamp(-GUARD, GUARD)), fixed(p.y.clamp(-GUARD, GUARD)));
         let mut last = top;
         let mut cuts = [-GUARD, GUARD];
         if top.x > bottom.x {
             cuts.reverse();
         }
         let mut line = |from, to| {
-            let (from, to) = (fixed(from), fixed(to));
+            let (from, to) = (cut_off(from), cut_off(to));
             match winding > 0 {
                 true => self.push(from, to),
                 false => self.push(to, from),
@@ -232,7 +244,7 @@ impl EdgeList {
         };
         for x in cuts {
             if (top.x < x) != (bottom.x < x) {
-                let cut = at_x(x);
+                let cut = Point::new(x, y_at(x));
                 line(last, cut);
                 last = cut;
             }
@@ -251,29 +263,32 @@ impl EdgeList {
         if edge.y1 < 0 || edge.y0 >= self.bottom || edge.x0.min(edge.x1) >= self.right {
             return;
         }
-        self.extent.add(&edge);
-        let (first, last) = self.bands(&edge);
-        self.changes[first] += 1;
-        self.changes[last + 1] -= 1;
-        self.edges.push(edge);
+        let (first, last) = self.bands_of(&edge);
+        self.bands[first].push(edge);
+        if first < last {
+            self.push_on(edge, first + 1, last);
+        }
+    }
+
+    /// Adds an edge to bands `first` to `last`. Apart, for few edges meet more than one.
+    #[inline(never)]
+    fn push_on(&mut self, edge: Edge, first: usize, last: usize) {
+        self.bands[first..=last].iter_mut().for_each(|band| band.push(edge));
     }
 
     /// The first and the last band that an edge meets: those of [y0, y1) or, of a horizontal edge, that of the row it
     /// lies in.
     #[inline]
-    fn bands(&self, edge: &Edge) -> (usize, usize) {
-        const BAND_BITS: u32 = FRACTION_BITS + BAND_ROWS.trailing_zeros();
-        let last = (edge.y1 - 1).max(edge.y0).clamp(0, self.bottom - 1);
-        ((edge.y0.max(0) >> BAND_BITS) as usize, (last >> BAND_BITS) as usize)
+    fn bands_of(&self, edge: &Edge) -> (usize, usize) {
+        (band_at(edge.y0), band_at((edge.y1 - 1).max(edge.y0).min(self.bottom - 1)))
     }
 
-    /// The pixels that edges lie in.
+    /// The pixels that edges lie in, if there are any.
     fn bounds(&self) -> Bounds {
         let pixel = |v: i32, end: i32| (v.clamp(0, end) >> FRACTION_BITS) as usize;
-        let Extent { left, top, right, bottom } = self.extent;
-        if self.edges.is_empty() {
-            return Bounds::default();
-        }
+        let Extent { least, most } = self.extent;
+        let [left, top] = least.map(|v| fixed(v.clamp(-GUARD, GUARD)));
+        let [right, bottom] = most.map(|v| fixed(v.clamp(-GUARD, GUARD)));
         Bounds {
             left: pixel(left, self.right),
             right: pixel(right + ONE, self.right),
@@ -282,48 +297,27 @@ impl EdgeList {
         }
     }
 
-    /// Edges so far.
-    pub fn len(&self) -> usize {
-        self.edges.len()
-    }
-
-    /// Sorts the edges into bands, and is empty again.
+    /// Gives away the edges, and is empty again.
     pub fn take_banded(&mut self) -> BandedEdges {
-        let banded = self.sort();
-        self.edges.clear();
+        let bounds = self.bounds();
+        let first_band = bounds.top / BAND_ROWS as usize;
+        let bands = &mut self.bands[first_band..bounds.bottom.div_ceil(BAND_ROWS as usize).max(first_band)];
+        let mut starts = Vec::with_capacity(bands.len() + 1);
+        let mut edges = Vec::with_capacity(bands.iter().map(Vec::len).sum());
+        starts.push(0);
+        for band in bands {
+            edges.append(band);
+            band.shrink_to(MOST_KEPT);
+            starts.push(edges.len() as u32);
+        }
+        debug_assert!(self.bands.iter().all(Vec::is_empty));
         self.extent = Extent::EMPTY;
         let origin = Corner::new(Point::ZERO);
         (self.start, self.last) = (origin, origin);
-        banded
-    }
-
-    /// Counting sort.
-    fn sort(&mut self) -> BandedEdges {
-        let bounds = self.bounds();
-        if self.edges.is_empty() {
-            return BandedEdges::default();
+        match edges.is_empty() {
+            true => BandedEdges::default(),
+            false => BandedEdges { first_band, starts, edges, bounds },
         }
-        let first_band = bounds.top / BAND_ROWS as usize;
-        let bands = (bounds.bottom - 1) / BAND_ROWS as usize + 1 - first_band;
-        let mut starts = Vec::with_capacity(bands + 1);
-        let (mut total, mut here) = (0, 0);
-        for change in &mut self.changes[first_band..=first_band + bands] {
-            starts.push(total);
-            here += std::mem::take(change);
-            total += here as u32;
-        }
-        let mut sorted = vec![Edge { x0: 0, y0: 0, x1: 0, y1: 0, winding: 0 }; total as usize];
-        // Each start moves on to the next one's place, and is put back at the end.
-        for edge in &self.edges {
-            let (first, last) = self.bands(edge);
-            for start in &mut starts[first - first_band..=last - first_band] {
-                sorted[*start as usize] = *edge;
-                *start += 1;
-            }
-        }
-        starts.rotate_right(1);
-        starts[0] = 0;
-        BandedEdges { first_band, starts, edges: sorted, bounds }
     }
 }
 
@@ -343,7 +337,13 @@ impl BandedEdges {
         self.bounds
     }
 
-    /// The edges that meet a band.
+    /// How many edges there are, each counted once.
+    pub fn count(&self) -> usize {
+        let begin = |band: usize| self.band(band).iter().filter(|edge| band_at(edge.y0) == band).count();
+        (self.first_band..self.first_band + self.starts.len()).map(begin).sum()
+    }
+
+    /// The edges that meet a band, in the order of the outline.
     pub fn band(&self, band: usize) -> &[Edge] {
         let at = band.wrapping_sub(self.first_band);
         match (self.starts.get(at), self.starts.get(at.wrapping_add(1))) {

@@ -35,8 +35,8 @@ use pattern::plane_of;
 const DEEPEST: usize = 32;
 
 /// The shader of every shape, for a scene that calls for any ([`Scene::calls_for_effects`]), to shade the
-/// bands of a slab; `log` is told what ran for them. Where only some are `wanted`, the others have none, and
-/// layers that were made for the last picture are not made again.
+/// bands of a slab, or no list if all paint is flat; `log` is told what ran for them. Where only some are `wanted`,
+/// the others have none, and layers that were made for the last picture are not made again.
 ///
 /// # Errors
 /// [`Error::Limit`] when layers within one another lie too deep, or the work on one is beyond its bound.
@@ -90,6 +90,10 @@ pub(crate) fn shaders<'a>(
             // There is no room for others.
             false => *wanted.kept = KeptLayers::default(),
         }
+    }
+    if shaders.iter().all(Option::is_none) {
+        // Nothing need ask for them.
+        shaders.clear();
     }
     Ok(shaders)
 }

@@ -145,9 +145,7 @@ impl Planner<'_> {
         let tolerance = self.settings.flattening_tolerance();
         let mut flatten = |geometry: &Geometry| {
             flattener.flatten(geometry, viewport.transform, tolerance, &mut edges);
-            let count = edges.len() as u64;
-            edges.take_banded();
-            count
+            edges.take_banded().count() as u64
         };
         for shape in &scene.shapes {
             if !stands_for_a_layer(&shape.paint) {

@@ -32,8 +32,10 @@ pub(crate) struct Entry<P> {
     pub kind: Kind,
 }
 
-/// What an entry paints.
+/// What an entry paints. With a tag as wide as what follows, copies of it are of the parts in which it was written:
+/// of others processors wait until all is in memory.
 #[derive(Clone, Copy, Debug)]
+#[repr(u32)]
 pub(crate) enum Kind {
     Sheet(Sheet),
     /// All that is seen where it lies, however much light it lets through.

@@ -76,10 +76,10 @@ impl FindCover for Coverer {
         style: Style,
         pieces: &mut Vec<Piece>,
     ) -> Cover {
-        if style.crisp {
-            self.cover_of_centre(cell, cover_left, style.rule, pieces)
-        } else {
-            self.cover(cell, cover_left, style.rule, pieces)
+        match style.crisp {
+            false => self.cover(cell, cover_left, style.rule, pieces),
+            true if self.has_centre_inside(cell.pieces, cover_left, style.rule, pieces) => Cover::Full,
+            true => Cover::Empty,
         }
     }
 }
@@ -93,56 +93,48 @@ impl Coverer {
         if last.next == NO_PIECE || is_one_chain(last, pieces) {
             return part(two_valued(total, rule), cell.pieces, cover_left, rule, true);
         }
-        self.cover_of_many(cell.pieces, total, cover_left, rule, pieces)
+        let mut border = Border { pieces: cell.pieces, cover_left, rule };
+        let area = self.area_of_many(&mut border, total, pieces);
+        part(area, border.pieces, border.cover_left, border.rule, false)
     }
 
-    /// The cover of a pixel of a shape that is not anti-aliased: the pixel is where its centre is.
+    /// Is a pixel's centre inside? Then all of it is, of a shape that is not anti-aliased.
     #[inline(never)]
-    pub fn cover_of_centre(
-        &mut self,
-        cell: Cell,
-        cover_left: i32,
-        rule: FillRule,
-        pieces: &[Piece],
-    ) -> Cover {
-        self.set.gather(cell.pieces, cover_left, pieces);
-        if rule.inside(self.set.winding_at_half_units(ONE, ONE)) {
-            Cover::Full
-        } else {
-            Cover::Empty
-        }
+    fn has_centre_inside(&mut self, last: u32, cover_left: i32, rule: FillRule, pieces: &[Piece]) -> bool {
+        self.set.gather(last, cover_left, pieces);
+        rule.inside(self.set.winding_at_half_units(ONE, ONE))
     }
 
+    /// The covered area and [`Fragment::sense`]; `border` becomes a clean one if it is not.
+    ///
+    /// A whole [`Cover`] would be handed over in memory, in parts of another size than those it is copied by, for
+    /// which processors wait.
     #[inline(never)]
-    fn cover_of_many(
-        &mut self,
-        last: u32,
-        total: i64,
-        cover_left: i32,
-        rule: FillRule,
-        pieces: &mut Vec<Piece>,
-    ) -> Cover {
+    fn area_of_many(&mut self, border: &mut Border, total: i64, pieces: &mut Vec<Piece>) -> (i64, i8) {
+        let Border { pieces: last, cover_left, rule } = *border;
         if self.certifier.is_two_valued(last, cover_left, (total >> AREA_BITS) as i32, pieces) {
-            return part(two_valued(total, rule), last, cover_left, rule, false);
+            return two_valued(total, rule);
         }
         self.cleaned += 1;
         self.set.gather(last, cover_left, pieces);
         if let Some(clean) = self.cleaner.clean(&self.set, rule, pieces) {
-            return part(
-                (clean.area.clamp(0, PIXEL_AREA), 1),
-                clean.pieces,
-                clean.cover_left,
-                FillRule::NonZero,
-                false,
-            );
+            *border = Border { pieces: clean.pieces, cover_left: clean.cover_left, rule: FillRule::NonZero };
+            return (clean.area.clamp(0, PIXEL_AREA), 1);
         }
         self.sampled += 1;
         self.sampler.clear();
         self.sampler.add(&self.set, rule);
         let mut area = 0;
         self.sampler.sample(|bits, share, _| area += share * (bits[0] & 1) as i64);
-        part((area, 0), last, cover_left, rule, false)
+        (area, 0)
     }
+}
+
+/// What bounds a fragment: as the fields of [`Fragment`].
+struct Border {
+    pieces: u32,
+    cover_left: i32,
+    rule: FillRule,
 }
 
 #[inline(always)]

@@ -486,8 +486,10 @@ impl Mean {
     #[inline]
     pub fn to_rgba8(self, linear: bool) -> [u8; 4] {
         const SCALE: f64 = 1.0 / PIXEL_AREA as f64;
-        let [r, g, b, through] = self.sums;
-        let sheet = Sheet::from_channels([r, g, b, through].map(|sum| (sum * SCALE) as f32));
-        if linear { sheet.to_srgb() } else { sheet }.to_rgba8()
+        let sheet = Sheet::from_channels(self.sums.map(|sum| (sum * SCALE) as f32));
+        if linear {
+            return sheet.to_srgb().to_rgba8();
+        }
+        sheet.to_rgba8()
     }
 }

@@ -85,16 +85,16 @@ impl Sheet {
     #[inline]
     pub fn to_rgba8(self) -> [u8; 4] {
         const HALF: f32 = 0.5 + 1.0 / 1024.0;
+        let bytes = |channels: [f32; 4]| channels.map(|v| (v * 255.0 + HALF) as u8);
         let [r, g, b, through] = self.rounded_channels();
         let alpha = 1.0 - through;
         if alpha <= 0.0 {
             return [0; 4];
         }
-        let byte = |v: f32| (v * 255.0 + HALF) as u8;
         if alpha == 1.0 {
-            return [byte(r), byte(g), byte(b), 255];
+            return bytes([r, g, b, alpha]);
         }
-        [byte(r / alpha), byte(g / alpha), byte(b / alpha), byte(alpha)]
+        bytes([r / alpha, g / alpha, b / alpha, alpha])
     }
 
     /// The same colour in linear light, still premultiplied.
@@ -103,6 +103,7 @@ impl Sheet {
     }
 
     /// The inverse of [`Sheet::to_linear`].
+    #[inline(never)]
     pub fn to_srgb(self) -> Sheet {
         self.recoded(srgb_of_linear)
     }

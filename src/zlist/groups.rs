@@ -54,8 +54,9 @@ struct Reading {
     hash: u64,
     /// For each entry the set of fragments in all of which it lies, a bit for each.
     sets: Vec<u8>,
-    /// Of a partition, front to back: the set of fragments in all of which each lies, and what is seen there.
-    regions: Vec<(u8, Sheet)>,
+    /// Of a partition, front to back: the set of fragments in all of which each lies, and the entry that tells what is
+    /// seen there.
+    regions: Vec<(u8, u32)>,
     /// The fragments' places in the list of all nodes, [`WHOLE`] where there are no more.
     leaves: [u32; MOST_LEAVES],
     leaf_count: usize,
@@ -165,7 +166,8 @@ impl ZLists<'_> {
         let mut mean = Mean::default();
         for (set, area) in some_area(&areas) {
             let region = regions.iter().find(|(own, _)| holds(set, *own));
-            let seen = region.map_or(Sheet::CLEAR, |&(_, sheet)| sheet);
+            let seen = region.and_then(|&(_, entry)| self.entries[entry as usize].kind.seen());
+            let seen = seen.unwrap_or(Sheet::CLEAR);
             mean.add(head.front.over(seen.over(around.background)), area, around.linear);
         }
         Some(mean)
@@ -247,9 +249,10 @@ impl ZLists<'_> {
         reading.clear();
         let mut next = head.first;
         while let Some(entry) = self.entries.get(next as usize) {
-            next = entry.next;
             let set = reading.set(entry.part, self)?;
-            reading.regions.push((set, entry.kind.seen()?));
+            entry.kind.seen()?;
+            reading.regions.push((set, next));
+            next = entry.next;
         }
         Some(())
     }
