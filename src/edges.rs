@@ -187,7 +187,7 @@ impl EdgeList {
         self.extent.add(p);
     }
 
-    /// Adds a line, in pixels. A point that is not a number adds nothing.
+    /// Adds a line to a polygon that has begun, in pixels. A point that is not a number adds nothing.
     #[inline]
     pub fn line_to(&mut self, p: Point) {
         self.extent.add(p);

@@ -206,8 +206,11 @@ impl<E: Lines> Drawing<'_, E> {
             return;
         }
         let (at, right) = (self.pen.spine.start, Vec2::new(1.0, 0.0));
-        self.edges_of_cap(at, right);
-        self.edges_of_cap(at, -right);
+        let mut add = polygon(self.edges, self.transform);
+        for outwards in [right, -right] {
+            cap(at, outwards, self.style.start_cap, self.nib, &mut add);
+        }
+        drop(add);
         self.edges.close();
     }
 
@@ -230,13 +233,8 @@ impl<E: Lines> Drawing<'_, E> {
 
     /// All of one side, in the path's direction, as the next part of the polygon at hand.
     fn side(&mut self, which: f64) {
-        let (pen, edges) = (&mut *self.pen, &mut *self.edges);
-        let transform = self.transform;
-        let mut is_first = true;
-        let mut add = |p: Point| match std::mem::take(&mut is_first) {
-            true => edges.move_to(transform * p),
-            false => edges.line_to(transform * p),
-        };
+        let pen = &mut *self.pen;
+        let mut add = polygon(self.edges, self.transform);
         walk(&pen.spine, &pen.corners, which, self.style, self.nib, &mut pen.folds, &mut add);
     }
 
@@ -266,6 +264,15 @@ impl<E: Lines> Drawing<'_, E> {
             fold[1..].iter().for_each(|&p| edges.line_to(transform * p));
             edges.close();
         });
+    }
+}
+
+/// Takes the points of a polygon, the first of which begins it.
+fn polygon<E: Lines>(edges: &mut E, transform: Affine) -> impl FnMut(Point) + '_ {
+    let mut is_first = true;
+    move |p| match std::mem::take(&mut is_first) {
+        true => edges.move_to(transform * p),
+        false => edges.line_to(transform * p),
     }
 }
 
@@ -467,6 +474,9 @@ mod tests {
         assert_area("M30 30Z", &pen(10.0).with_caps(Cap::Square), 100.0);
         assert_eq!(edges("M30 30Z", &pen(10.0)), Vec::<[i32; 5]>::new());
         assert_eq!(edges("M30 30", &round), Vec::<[i32; 5]>::new());
+        let around = edges("M30 30Z", &round);
+        let is_near = |v: i32| (24 * ONE..36 * ONE).contains(&v);
+        assert!(around.iter().all(|edge| edge[..4].iter().all(|&v| is_near(v))), "{around:?}");
     }
 
     #[test]
