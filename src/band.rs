@@ -153,7 +153,7 @@ impl<C: Coverage> BandRenderer<C> {
     }
 
     /// Files an outline's edges in the x-buckets, but for pixels finished in the cel of this depth, and
-    /// tells where they lie.
+    /// tells where they lie: nowhere if none meets the band.
     fn fill_buckets(
         &mut self,
         picture: &Picture,
@@ -165,10 +165,14 @@ impl<C: Coverage> BandRenderer<C> {
         let edges = outline.edges(&mut self.flattener, &mut self.edges, picture.to_pixels, picture.tolerance);
         self.lap(|laps| Some(&mut laps.flatten));
         let finished = &self.cels[depth].finished;
-        for edge in edges.band(band) {
+        let here = edges.band(band);
+        for edge in here {
             self.coverage.add(edge, place_of(rows), style_of(outline), finished);
         }
-        edges.bounds()
+        match here.is_empty() {
+            true => Bounds::default(),
+            false => edges.bounds(),
+        }
     }
 
     /// The clip in this band, made when first asked for.

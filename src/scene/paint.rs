@@ -103,6 +103,7 @@ impl Sheet {
     }
 
     /// The inverse of [`Sheet::to_linear`].
+    // Apart, so that the way without it keeps all channels in one vector.
     #[inline(never)]
     pub fn to_srgb(self) -> Sheet {
         self.recoded(srgb_of_linear)
