@@ -297,8 +297,7 @@ impl Cel {
         saturated
     }
 
-    /// Paints a part of one pixel, behind all that was painted before. `kind` is the brush's: made for each pixel
-    /// anew, it would be copied while it is being written, for which processors wait.
+    /// Paints a part of one pixel, behind all that was painted before. `kind` is [`Brush::kind`].
     #[inline(always)]
     pub fn part<P: Part>(&mut self, row: usize, x: usize, part: P, kind: &Kind, entries: &mut Vec<Entry<P>>) {
         if self.finished.get(row, x) {

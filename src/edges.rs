@@ -17,7 +17,7 @@ pub(crate) const BAND_ROWS: u32 = 8;
 /// Largest picture side in pixels. Coordinates are cut off a little beyond, where they still fit.
 pub(crate) const LARGEST_SIDE: u32 = 65_535;
 
-/// A band keeps the room of so many edges from one shape to the next.
+/// Edges for which a band keeps room from one shape to the next.
 const MOST_KEPT: usize = 1024;
 
 /// Coordinates are cut off here, in pixels.
@@ -223,12 +223,10 @@ impl EdgeList {
     /// Cuts a long line to the guard rectangle. What lies left of it runs along its left side, since
     /// it still winds round the pixels.
     fn cut_to_guard(&mut self, a: Point, b: Point, winding: i32) {
-        // Rounding must not lead out of the rectangle around both ends.
-        let (left, right) = (a.x.min(b.x), a.x.max(b.x));
-        let x_at = |y: f64| (a.x + (b.x - a.x) * ((y - a.y) / (b.y - a.y))).clamp(left, right);
-        let y_at = |x: f64| (a.y + (b.y - a.y) * ((x - a.x) / (b.x - a.x))).clamp(a.y, b.y);
-        let top = if a.y < -GUARD { Point::new(x_at(-GUARD), -GUARD) } else { a };
-        let bottom = if b.y > GUARD { Point::new(x_at(GUARD), GUARD) } else { b };
+        let at_y = |y: f64| Point::new(a.x + (b.x - a.x) * ((y - a.y) / (b.y - a.y)), y);
+        let at_x = |x: f64| Point::new(x, a.y + (b.y - a.y) * ((x - a.x) / (b.x - a.x)));
+        let top = if a.y < -GUARD { at_y(-GUARD) } else { a };
+        let bottom = if b.y > GUARD { at_y(GUARD) } else { b };
         let cut_off = |p: Point| (fixed(p.x.clamp(-GUARD, GUARD)), fixed(p.y.clamp(-GUARD, GUARD)));
         let mut last = top;
         let mut cuts = [-GUARD, GUARD];
@@ -244,7 +242,7 @@ impl EdgeList {
         };
         for x in cuts {
             if (top.x < x) != (bottom.x < x) {
-                let cut = Point::new(x, y_at(x));
+                let cut = at_x(x);
                 line(last, cut);
                 last = cut;
             }
@@ -283,7 +281,7 @@ impl EdgeList {
         (band_at(edge.y0), band_at((edge.y1 - 1).max(edge.y0).min(self.bottom - 1)))
     }
 
-    /// The pixels that edges lie in, if there are any.
+    /// No edge within the picture lies outside these pixels.
     fn bounds(&self) -> Bounds {
         let pixel = |v: i32, end: i32| (v.clamp(0, end) >> FRACTION_BITS) as usize;
         let Extent { least, most } = self.extent;
@@ -332,7 +330,7 @@ pub(crate) struct BandedEdges {
 }
 
 impl BandedEdges {
-    /// The pixels that edges lie in.
+    /// Pixels outside which no edge lies.
     pub fn bounds(&self) -> Bounds {
         self.bounds
     }
@@ -350,5 +348,24 @@ impl BandedEdges {
             (Some(&start), Some(&end)) => &self.edges[start as usize..end as usize],
             _ => &[],
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_edge_stands_in_each_band_that_it_meets_and_counts_once() {
+        let mut list = EdgeList::new(8, 4 * BAND_ROWS);
+        list.move_to(Point::new(2.0, 1.0));
+        list.line_to(Point::new(5.0, f64::from(3 * BAND_ROWS)));
+        list.line_to(Point::new(5.0, 1.0));
+        list.close();
+        let edges = list.take_banded();
+        // Two long ones, and a level one in the first.
+        assert_eq!([0, 1, 2, 3].map(|band| edges.band(band).len()), [3, 2, 2, 0]);
+        assert_eq!(edges.count(), 3);
+        assert_eq!(list.take_banded().count(), 0);
     }
 }

@@ -110,7 +110,7 @@ fn chords(curve: Curve, hull: &[Point], tolerance: f64, stops: &mut Vec<f64>, ed
         let i = if reversed { inner + 1 - i } else { i };
         let [before, t, after] = [stops[i - 1], stops[i], stops[i + 1]];
         let (h0, h1) = (t - before, after - t);
-        // The sum of cubes, over that of the steps.
+        // (h0^3 + h1^3) / (h0 + h1)
         let mut slivers = h0 * h0 - h0 * h1 + h1 * h1;
         if i == 1 || i == inner {
             // The slivers beside the ends have no second vertex to share them.
@@ -204,14 +204,14 @@ impl Curve {
         let step = needed[SPANS] / count;
         stops.clear();
         stops.push(0.0);
-        let (mut span, mut span_of_chord) = (0, SPAN / (needed[1] - needed[0]));
+        let (mut span, mut t_per_chord) = (0, SPAN / (needed[1] - needed[0]));
         for i in 1..count as usize {
             let wanted = i as f64 * step;
             while wanted > needed[span + 1] {
                 span += 1;
-                span_of_chord = SPAN / (needed[span + 1] - needed[span]);
+                t_per_chord = SPAN / (needed[span + 1] - needed[span]);
             }
-            stops.push(span as f64 * SPAN + (wanted - needed[span]) * span_of_chord);
+            stops.push(span as f64 * SPAN + (wanted - needed[span]) * t_per_chord);
         }
         stops.push(1.0);
     }

@@ -32,8 +32,8 @@ pub(crate) struct Entry<P> {
     pub kind: Kind,
 }
 
-/// What an entry paints. With a tag as wide as what follows, copies of it are of the parts in which it was written:
-/// of others processors wait until all is in memory.
+/// What an entry paints. Its tag is as wide as a channel, so that it is copied by loads as wide as the stores that wrote
+/// it: from others nothing is forwarded, and a copy waits until all is in memory.
 #[derive(Clone, Copy, Debug)]
 #[repr(u32)]
 pub(crate) enum Kind {

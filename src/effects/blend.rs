@@ -134,10 +134,9 @@ impl Source {
 /// What is seen of `source` in front of `backdrop`.
 #[inline]
 pub(crate) fn blend(mode: BlendMode, source: Pixel, backdrop: Pixel) -> Pixel {
-    let pixel = source;
-    let source = Source::new(mode, pixel);
-    let mut seen = source.before(backdrop, backdrop[3]);
-    seen[3] = 1.0 - source.through(1.0 - pixel[3], 1.0 - backdrop[3]);
+    let ready = Source::new(mode, source);
+    let mut seen = ready.before(backdrop, backdrop[3]);
+    seen[3] = 1.0 - ready.through(1.0 - source[3], 1.0 - backdrop[3]);
     seen
 }
 

@@ -231,7 +231,7 @@ impl<E: Lines> Drawing<'_, E> {
         }
     }
 
-    /// All of one side, in the path's direction, as the next part of the polygon at hand.
+    /// All of one side, in the path's direction: a new polygon.
     fn side(&mut self, which: f64) {
         let pen = &mut *self.pen;
         let mut add = polygon(self.edges, self.transform);
@@ -245,10 +245,11 @@ impl<E: Lines> Drawing<'_, E> {
         back.clear();
         let mut add = |p: Point| back.push(p);
         walk(&pen.spine, &pen.corners, -1.0, self.style, self.nib, &mut pen.folds, &mut add);
-        if let (true, Some(&first)) = (is_new, back.last()) {
-            self.edges.move_to(self.transform * first);
+        let points = back.iter().rev().copied();
+        match is_new {
+            true => points.for_each(polygon(self.edges, self.transform)),
+            false => points.for_each(|p| self.edges.line_to(self.transform * p)),
         }
-        back.iter().rev().for_each(|&p| self.edges.line_to(self.transform * p));
         pen.back = back;
     }
 
@@ -260,8 +261,7 @@ impl<E: Lines> Drawing<'_, E> {
     fn draw_folds(&mut self) {
         let (edges, transform) = (&mut *self.edges, self.transform);
         self.pen.folds.drain(|fold| {
-            edges.move_to(transform * fold[0]);
-            fold[1..].iter().for_each(|&p| edges.line_to(transform * p));
+            fold.iter().copied().for_each(polygon(edges, transform));
             edges.close();
         });
     }

@@ -89,13 +89,13 @@ impl Coverer {
     #[inline(always)]
     pub fn cover(&mut self, cell: Cell, cover_left: i32, rule: FillRule, pieces: &mut Vec<Piece>) -> Cover {
         let total = i64::from(cover_left) * i64::from(2 * ONE) + cell.area;
+        let mut border = Border { pieces: cell.pieces, cover_left, rule };
         let last = &pieces[cell.pieces as usize];
         if last.next == NO_PIECE || is_one_chain(last, pieces) {
-            return part(two_valued(total, rule), cell.pieces, cover_left, rule, true);
+            return part(two_valued(total, rule), border, true);
         }
-        let mut border = Border { pieces: cell.pieces, cover_left, rule };
         let area = self.area_of_many(&mut border, total, pieces);
-        part(area, border.pieces, border.cover_left, border.rule, false)
+        part(area, border, false)
     }
 
     /// Is a pixel's centre inside? Then all of it is, of a shape that is not anti-aliased.
@@ -107,8 +107,8 @@ impl Coverer {
 
     /// The covered area and [`Fragment::sense`]; `border` becomes a clean one if it is not.
     ///
-    /// A whole [`Cover`] would be handed over in memory, in parts of another size than those it is copied by, for
-    /// which processors wait.
+    /// Not a whole [`Cover`]: that is handed over in memory, written in narrow stores, and a wide load of it, to copy the
+    /// fragment, would find no store to be forwarded from.
     #[inline(never)]
     fn area_of_many(&mut self, border: &mut Border, total: i64, pieces: &mut Vec<Piece>) -> (i64, i8) {
         let Border { pieces: last, cover_left, rule } = *border;
@@ -138,7 +138,8 @@ struct Border {
 }
 
 #[inline(always)]
-fn part((area, sense): (i64, i8), pieces: u32, cover_left: i32, rule: FillRule, is_chain: bool) -> Cover {
+fn part((area, sense): (i64, i8), border: Border, is_chain: bool) -> Cover {
+    let Border { pieces, cover_left, rule } = border;
     match area {
         0 => Cover::Empty,
         PIXEL_AREA => Cover::Full,

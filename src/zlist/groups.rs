@@ -166,8 +166,8 @@ impl ZLists<'_> {
         let mut mean = Mean::default();
         for (set, area) in some_area(&areas) {
             let region = regions.iter().find(|(own, _)| holds(set, *own));
-            let seen = region.and_then(|&(_, entry)| self.entries[entry as usize].kind.seen());
-            let seen = seen.unwrap_or(Sheet::CLEAR);
+            let sheet = |&(_, entry): &(u8, u32)| self.entries[entry as usize].kind.seen();
+            let seen = region.and_then(sheet).unwrap_or(Sheet::CLEAR);
             mean.add(head.front.over(seen.over(around.background)), area, around.linear);
         }
         Some(mean)
