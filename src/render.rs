@@ -94,7 +94,7 @@ impl Settings {
     /// Farthest that curves lie from their chords, in pixels: a dark mean of linear light errs more once it is
     /// encoded.
     pub(crate) fn flattening_tolerance(&self) -> f64 {
-        const LINEAR_SHARE: f64 = 0.5;
+        const LINEAR_SHARE: f64 = 0.3;
         self.tolerance * if self.linear { LINEAR_SHARE } else { 1.0 }
     }
 

@@ -1,6 +1,9 @@
 //! Every drawing among the samples that the truth can draw, and a few small ones, is within its bounds. (A whole folder of drawings: `cargo run --release --example corpus_check -- DIR`.)
 
+mod support;
+
 use std::path::Path;
+use support::Rng;
 use toon_raster::reference::{self, Bounds};
 use toon_raster::{Renderer, Scene, Settings, Viewport};
 
@@ -130,4 +133,32 @@ fn thin_strips_and_needles_are_within_the_bounds() {
         })
         .collect();
     assert_within_bounds("strips", &strips);
+}
+
+/// Cubics that turn in less room than the pen has, up to cusps: one of its ends goes backwards there.
+#[test]
+fn wide_pens_on_tight_curves_are_near_the_truth() {
+    const LEVELS: f64 = 1.5;
+    let mut rng = Rng::new(11);
+    let mut body = String::new();
+    for place in 0..64 {
+        let middle = [place % 8, place / 8].map(|at| f64::from(at) * 24.0 + 12.0);
+        let reach = [0.3, 1.0, 2.0, 5.0][place as usize % 4];
+        let mut point = || middle.map(|at| format!("{:.4}", at + rng.between(-reach, reach))).join(" ");
+        let path = format!("M{}C{} {} {}", point(), point(), point(), point());
+        body += &format!("<path d='{path}' stroke-width='{:.2}'/>", rng.between(4.0, 10.0));
+    }
+    let svg = format!(
+        "<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 192 192'><g fill='none' stroke='#000'>{body}</g></svg>"
+    );
+    let tree = usvg::Tree::from_str(&svg, &usvg::Options::default()).expect("valid SVG");
+    let scene = Scene::from_tree(&tree).expect("a scene");
+    let viewport = Viewport::fit(&scene, 192, 192);
+    // Finer, and many pixels have more pieces than the truth takes exactly.
+    let options = reference::Options { tolerance: 1e-3, ..Default::default() };
+    let truth = reference::render(&tree, &viewport, &options).expect("a picture");
+    let picture = Renderer::new(Settings::default()).expect("settings").render(&scene, &viewport);
+    let difference = truth.compare(&picture.expect("a picture"));
+    println!("{} pixels approximate, {difference:.3?}", truth.approximate);
+    assert!(difference.max <= LEVELS, "{difference:?}");
 }

@@ -3,6 +3,7 @@
 
 use super::spine::Spine;
 use super::{quarter, Nib};
+use crate::polygons::{chord_end, outwards};
 use crate::scene::StrokeStyle;
 use kurbo::{Cap, Join, Point, Vec2};
 use std::f64::consts::FRAC_PI_2;
@@ -25,6 +26,8 @@ pub(super) struct Corner {
     /// How far one segment's inner side reaches along the other segment.
     pub reach: f64,
     pub inner_join: InnerJoin,
+    /// Do the two outer sides go on to where they meet?
+    pub is_pointed: bool,
 }
 
 /// How the two inner sides are joined.
@@ -44,23 +47,39 @@ const BESIDE: f64 = 2.5e-4;
 
 impl Corner {
     /// The corner between two segments, or `None` where the path goes smoothly on.
-    pub fn new(spine: &Spine, before: usize, after: usize, nib: Nib) -> Option<Corner> {
+    pub fn new(spine: &Spine, before: usize, after: usize, style: &StrokeStyle, nib: Nib) -> Option<Corner> {
         let (end, begin) = (spine.end(before), spine.begin(after));
         let (sine, cosine) = (end.along.cross(begin.along), end.along.dot(begin.along));
         let radius = nib.radius;
         if cosine > 0.0 && sine.abs() * radius * nib.scale < SMOOTH {
             return None;
         }
+        let trim = radius * ((1.0 - cosine) / (1.0 + cosine)).max(0.0).sqrt();
+        let limit = style.miter_limit;
+        let is_pointed = match style.join {
+            Join::Miter => limit * limit * (1.0 + cosine) >= 2.0,
+            Join::Round => spine.is_line(before) && spine.is_line(after) && nib.is_flat(trim),
+            Join::Bevel => false,
+        };
         Some(Corner {
             at: begin.at,
             before: end.along,
             after: begin.along,
             cosine,
             inner: if sine < 0.0 { -1.0 } else { 1.0 },
-            trim: radius * ((1.0 - cosine) / (1.0 + cosine)).max(0.0).sqrt(),
+            trim,
             reach: radius * sine.abs(),
             inner_join: InnerJoin::Corner,
+            is_pointed,
         })
+    }
+
+    /// Do the lines on one side end where they meet?
+    pub fn meets(&self, which: f64) -> bool {
+        match which == self.inner {
+            true => self.inner_join == InnerJoin::Meet,
+            false => self.is_pointed,
+        }
     }
 
     /// The vertices on one side between the two segments'.
@@ -76,12 +95,12 @@ impl Corner {
             }
             return;
         }
-        let limit = style.miter_limit;
         match style.join {
-            Join::Bevel => {}
-            Join::Miter if limit * limit * (1.0 + self.cosine) >= 2.0 => add(self.crossing(which, nib)),
-            Join::Miter if style.clips_miters => self.clipped(which, limit, nib).into_iter().for_each(add),
-            Join::Miter => {}
+            _ if self.is_pointed => add(self.crossing(which, nib)),
+            Join::Miter if style.clips_miters => {
+                self.clipped(which, style.miter_limit, nib).into_iter().for_each(add);
+            }
+            Join::Miter | Join::Bevel => {}
             Join::Round => self.arc(which, nib, add),
         }
     }
@@ -137,12 +156,14 @@ pub(super) fn cap(at: Point, outwards: Vec2, style: Cap, nib: Nib, add: &mut imp
 /// enclose the arc's area.
 fn arc(center: Point, middle: Vec2, half: f64, nib: Nib, add: &mut impl FnMut(Point)) {
     let turn = 2.0 * half.abs();
-    let steps = nib.stops(0.0, turn);
-    let step = turn / steps;
+    let steps = nib.arc_stops(turn);
+    let step = turn * (chord_end(2, steps) - chord_end(1, steps));
+    let end_step = turn * chord_end(1, steps);
     let steps = steps as i32;
     for i in 1..steps {
-        let ends = i32::from(i == 1) + i32::from(i + 1 == steps);
-        let radius = nib.radius * (1.0 + step * step / 12.0 * (1.0 + 0.5 * f64::from(ends)));
+        let (first, last) = (i == 1, i + 1 == steps);
+        let length = |is_end: bool| if is_end { end_step } else { step };
+        let radius = nib.radius * (1.0 + outwards((length(first), first), (length(last), last)));
         // The same for both ends of the arc.
         let from_middle = f64::from((2 * i - steps).abs()) * (0.5 * step);
         let (sine, cosine) = libm::sincos(from_middle);

@@ -31,12 +31,17 @@ mod side;
 mod spine;
 
 use crate::edges::Lines;
+use crate::polygons::{chord_count, AREA_SHARE};
 use crate::scene::StrokeStyle;
 use corner::{cap, Corner, InnerJoin};
 use dashes::dashed;
 use kurbo::{Affine, BezPath, Cap, PathEl, Point, Vec2};
 use side::{Folds, Side};
 use spine::Spine;
+
+/// As [`AREA_SHARE`], for round joins and caps: they often lie on one another, and all that sticks out of any of them is
+/// inked, so that lobes add up there which otherwise cancel.
+const AREA_SHARE_OF_ARCS: f64 = 0.03;
 
 /// Draws outlines; keeps its buffers from one to the next.
 #[derive(Default)]
@@ -56,6 +61,30 @@ struct Nib {
     scale: f64,
     /// In pixels.
     tolerance: f64,
+}
+
+impl Nib {
+    /// How many steps keep both sides within the tolerance along a path of this length which turns by
+    /// this angle, evenly.
+    fn stops(&self, length: f64, turn: f64) -> f64 {
+        let outer = (length + self.radius * turn) * self.scale;
+        chord_count(outer, 0.125 * outer * turn, self.tolerance, AREA_SHARE)
+    }
+
+    /// How many steps do so along an arc of the pen's end.
+    fn arc_stops(&self, turn: f64) -> f64 {
+        let outer = self.radius * turn * self.scale;
+        chord_count(outer, 0.125 * outer * turn, self.tolerance, AREA_SHARE_OF_ARCS)
+    }
+
+    /// Is a round join as good as the point in which its lines meet, so far from the corner along each?
+    fn is_flat(&self, trim: f64) -> bool {
+        // With the tangent t of half the turn, the point lies r (sqrt(1 + t^2) - 1) outside the arc, and between them
+        // an area of r^2 (t - atan t).
+        let (radius, trim) = (self.radius * self.scale, trim * self.scale);
+        let (distance, area) = (0.5 * trim * trim / radius, trim * trim * trim / (3.0 * radius));
+        distance <= self.tolerance && area <= AREA_SHARE_OF_ARCS * self.tolerance
+    }
 }
 
 impl Pen {
@@ -221,7 +250,7 @@ impl<E: Lines> Drawing<'_, E> {
         for before in 0..count {
             let after = (before + 1) % count;
             let meet = after > before || closed;
-            corners.push(meet.then(|| Corner::new(spine, before, after, self.nib)).flatten());
+            corners.push(meet.then(|| Corner::new(spine, before, after, self.style, self.nib)).flatten());
         }
         for at in 0..count {
             let join = inner_join(spine, corners, at);
@@ -311,10 +340,11 @@ fn walk(
     add: &mut impl FnMut(Point),
 ) {
     let count = corners.len();
-    let met =
-        |corner: &Option<Corner>| corner.is_some_and(|c| c.inner_join == InnerJoin::Meet && c.inner == which);
+    let met = |corner: &Option<Corner>| corner.is_some_and(|corner| corner.meets(which));
     for (segment, corner) in corners.iter().enumerate() {
-        let ends = (!met(&corners[(segment + count - 1) % count]), !met(corner));
+        // Of a line nothing lies between these points. A curve has its own ends.
+        let is_line = spine.is_line(segment);
+        let ends = (!(is_line && met(&corners[(segment + count - 1) % count])), !(is_line && met(corner)));
         Side { stations: spine.stations(segment), which, nib }.walk(ends, folds, add);
         if let Some(corner) = corner {
             corner.walk(which, style, nib, add);
@@ -392,6 +422,17 @@ mod tests {
         assert_area("M10 30H30V10", &corner(Join::Miter), boxes + 4.0);
         assert_area("M10 30H30V10", &corner(Join::Bevel), boxes + 2.0);
         assert_area("M10 30H30V10", &corner(Join::Round), boxes + std::f64::consts::PI);
+    }
+
+    #[test]
+    fn sides_of_lines_that_meet_in_a_point_have_no_other_vertex() {
+        let count = |path: &str, join| edges(path, &pen(2.0).with_join(join)).len();
+        // Two lines on either side, and the two ends.
+        assert_eq!(count("M10 30.3H20.2L30 20", Join::Miter), 6);
+        assert_eq!(count("M10 30.3H20.2L30 29.7", Join::Round), 6);
+        // Across a bevel, and along an arc.
+        assert_eq!(count("M10 30.3H20.2L30 20", Join::Bevel), 7);
+        assert!(count("M10 30.3H20.2L30 20", Join::Round) > 7);
     }
 
     #[test]

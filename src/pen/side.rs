@@ -70,10 +70,9 @@ impl Side<'_> {
                 }
             } else if i < last {
                 let after = self.step(i + 1);
-                let ends = usize::from(i == 1) + usize::from(i + 1 == last);
                 let outwards = match after.0 < 0.0 {
                     true => Vec2::ZERO,
-                    false => self.outwards(i, before, after, 1.0 + 0.5 * ends as f64),
+                    false => self.outwards(i, (before, i == 1), (after, i + 1 == last)),
                 };
                 add(self.pen(i) + outwards);
                 before = after;
@@ -98,7 +97,12 @@ impl Side<'_> {
             }
             end += 1;
         }
-        folds.points.extend((first - 1..=end).rev().map(|i| self.pen(i)));
+        folds.points.extend((first - 1..=end).rev().map(|i| {
+            let is_between = first <= i && i < end;
+            let steps = || ((self.step(i), i == first), (self.step(i + 1), i + 1 == end));
+            let outwards = is_between.then(steps).map(|(before, after)| self.outwards(i, before, after));
+            self.pen(i) + outwards.unwrap_or_default()
+        }));
         if self.which < 0.0 {
             folds.points[start..].reverse();
         }
@@ -125,15 +129,21 @@ impl Side<'_> {
         (0.5 * step.dot(from + to), from.cross(to))
     }
 
-    /// How far a vertex between two steps goes out. A sliver's area goes to its two vertices by halves;
-    /// at the segment's ends, where there is but one, all of it.
+    /// How far a vertex between two steps in one direction goes out. A sliver's area goes to its two vertices by halves;
+    /// of the first step and the last, which have one vertex only, all of it.
     #[inline]
-    fn outwards(&self, i: usize, (c0, a0): (f64, f64), (c1, a1): (f64, f64), share: f64) -> Vec2 {
+    fn outwards(
+        &self,
+        i: usize,
+        ((c0, a0), is_first): ((f64, f64), bool),
+        ((c1, a1), is_last): ((f64, f64), bool),
+    ) -> Vec2 {
         let length = c0 + c1;
-        if length <= 0.0 {
+        if length == 0.0 {
             return Vec2::ZERO;
         }
-        let by = share * (c0 * c0 * a0 + c1 * c1 * a1) / (12.0 * length);
+        let share = |is_end: bool| if is_end { 2.0 } else { 1.0 };
+        let by = (share(is_first) * c0 * c0 * a0 + share(is_last) * c1 * c1 * a1) / (12.0 * length);
         -by * quarter(self.stations[i].along)
     }
 

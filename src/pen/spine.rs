@@ -1,12 +1,12 @@
 //! Takes a sub-path's segments, makes its spine: the stations where the pen stops, each with the
 //! direction in which the path goes there.
 //!
-//! Curves are cut in halves until a part turns little and at an even pace, then into steps of equal t,
-//! as many as the outer side of the outline needs. Where a curve turns on the spot (a cusp) the pen
-//! turns with it.
+//! Curves are cut in halves until a part turns little and at an even pace, then into steps of nearly equal
+//! t, as many as the outer side of the outline needs. Where the inner end of the pen begins to go backwards,
+//! and where it ceases to, the pen stops, too. Where a curve turns on the spot (a cusp) it turns with it.
 
 use super::{quarter, Nib};
-use crate::polygons::{chord_count, Curve};
+use crate::polygons::{chord_end, Curve};
 use kurbo::{Point, Vec2};
 
 /// Halvings of a curve: enough to get as near to a cusp as double precision can tell.
@@ -18,6 +18,9 @@ const ON_THE_SPOT: f64 = 0.1;
 /// Cosine of the angle at which a curve has a cusp between two of its parts.
 const STRAIGHT_ON: f64 = 0.999;
 
+/// The least speed along a part that goes at an even pace, as a share of the largest.
+const LEAST_EVEN: f64 = 1.0 / 3.0;
+
 /// Stops within one part of a curve.
 const MOST_STEPS: f64 = 16384.0;
 
@@ -27,6 +30,13 @@ pub(super) struct Station {
     pub at: Point,
     /// Unit vector.
     pub along: Vec2,
+}
+
+impl Station {
+    fn on(curve: &Curve, t: f64) -> Station {
+        let velocity = curve.derivative(t);
+        Station { at: curve.point(t), along: velocity / velocity.hypot() }
+    }
 }
 
 /// A sub-path as the pen walks it, segment by segment. Segments that go nowhere are left out.
@@ -68,10 +78,14 @@ impl Spine {
         self.stations[self.segments[segment].end - 1]
     }
 
+    pub fn is_line(&self, segment: usize) -> bool {
+        self.segments[segment].is_line
+    }
+
     /// The length of a segment, if it is a line.
     pub fn line_length(&self, segment: usize) -> Option<f64> {
         let length = || (self.end(segment).at - self.begin(segment).at).hypot();
-        self.segments[segment].is_line.then(length)
+        self.is_line(segment).then(length)
     }
 
     pub fn line(&mut self, from: Point, to: Point) {
@@ -122,7 +136,8 @@ impl Spine {
         }
         let [.., last] = hull;
         let (length, turn) = (legs.length, legs.turn);
-        if nib.stops(length, turn) <= 1.0 || !length.is_finite() {
+        let turns_back = nib.radius * turn > LEAST_EVEN * length;
+        if nib.stops(length, turn) <= 1.0 && !turns_back || !length.is_finite() {
             self.stations.push(Station { at: last, along: ends });
         } else if legs.are_even() {
             self.steps(hull, nib);
@@ -136,22 +151,36 @@ impl Spine {
         }
     }
 
-    /// Stations within a part that turns at an even pace, at equal steps of t.
+    /// Stations within a part that turns at an even pace, at steps of t, and wherever one end of the pen turns back:
+    /// what it reaches there no other place of the pen does.
     fn steps(&mut self, [p0, p1, p2, p3]: [Point; 4], nib: Nib) {
         let curve = Curve::cubic(p0, p1, p2, p3);
-        let (mut fastest, mut most_turn) = (0.0f64, 0.0f64);
-        for t in [0.0, 0.5, 1.0] {
-            let (velocity, bend) = (curve.derivative(t), curve.second_derivative(t));
-            let speed = velocity.hypot2();
-            fastest = fastest.max(speed);
-            most_turn = most_turn.max(velocity.cross(bend).abs() / speed);
-        }
-        let steps = nib.stops(fastest.sqrt(), most_turn).min(MOST_STEPS);
-        let h = 1.0 / steps;
-        for i in 1..steps as usize {
-            let t = i as f64 * h;
-            let velocity = curve.derivative(t);
-            self.stations.push(Station { at: curve.point(t), along: velocity / velocity.hypot() });
+        let mut from = 0.0;
+        // On either side of an inflection one side of the pen goes back, if any.
+        for to in curve.inflection().into_iter().chain([1.0]) {
+            let span = to - from;
+            let (mut fastest, mut most_turn) = (0.0f64, 0.0f64);
+            for t in [from, from + 0.5 * span, to] {
+                let (velocity, bend) = (curve.derivative(t), curve.second_derivative(t));
+                let speed = velocity.hypot2();
+                fastest = fastest.max(speed);
+                most_turn = most_turn.max(velocity.cross(bend).abs() / speed);
+            }
+            let fastest = fastest.sqrt();
+            let may_turn_back = nib.radius * most_turn > LEAST_EVEN * fastest;
+            let steps = nib.stops(span * fastest, span * most_turn).min(MOST_STEPS);
+            let mut before = from;
+            for t in (1..steps as usize).map(|i| from + span * chord_end(i, steps)).chain([to]) {
+                if may_turn_back {
+                    let turn = turning_back(&curve, nib.radius, (before, t));
+                    self.stations.extend(turn.map(|t| Station::on(&curve, t)));
+                }
+                if t < 1.0 {
+                    self.stations.push(Station::on(&curve, t));
+                }
+                before = t;
+            }
+            from = to;
         }
     }
 
@@ -161,22 +190,33 @@ impl Spine {
             return;
         };
         let turn = libm::atan2(begins.cross(ends), begins.dot(ends));
-        let stops = nib.stops(0.0, turn.abs()).min(MOST_STEPS);
+        let stops = nib.arc_stops(turn.abs()).min(MOST_STEPS);
         for i in 1..stops as usize {
-            let (sine, cosine) = libm::sincos(turn * (i as f64 / stops));
+            let (sine, cosine) = libm::sincos(turn * chord_end(i, stops));
             self.stations.push(Station { at, along: cosine * begins + sine * quarter(begins) });
         }
         self.stations.push(Station { at, along: ends });
     }
 }
 
-impl Nib {
-    /// How many steps keep both sides within the tolerance along a path of this length which turns by
-    /// this angle, evenly.
-    pub fn stops(&self, length: f64, turn: f64) -> f64 {
-        let outer = (length + self.radius * turn) * self.scale;
-        chord_count(outer, 0.125 * outer * turn, self.tolerance)
+/// Where between two places on a curve the inner end of the pen begins or ceases to go backwards, if it does in one of
+/// them only.
+fn turning_back(curve: &Curve, radius: f64, (mut from, mut to): (f64, f64)) -> Option<f64> {
+    /// They find the place to a billionth of the way.
+    const HALVINGS: u32 = 30;
+    let goes_back = |t: f64| {
+        let (velocity, bend) = (curve.derivative(t), curve.second_derivative(t));
+        radius * velocity.cross(bend).abs() > velocity.hypot2() * velocity.hypot()
+    };
+    let at_first = goes_back(from);
+    if goes_back(to) == at_first {
+        return None;
     }
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (from + to);
+        *if goes_back(middle) == at_first { &mut from } else { &mut to } = middle;
+    }
+    Some(to)
 }
 
 /// The legs of a control polygon.
@@ -218,7 +258,7 @@ impl Legs {
         let [a, b, c] = self.legs;
         let [la, lb, lc] = self.lengths;
         let (least, most) = (la.min(lb).min(lc), la.max(lb).max(lc));
-        least > 0.0 && most < 3.0 * least && a.dot(b) > 0.7 * la * lb && b.dot(c) > 0.7 * lb * lc
+        least > LEAST_EVEN * most && a.dot(b) > 0.7 * la * lb && b.dot(c) > 0.7 * lb * lc
     }
 }
 

@@ -64,28 +64,28 @@ impl Pieces<'_> {
         self.out.close_path();
     }
 
-    /// A box whose ends stand across the true path's directions, each half apart; a half which a
-    /// tight turn would fold stands across the chord. Where the path turns on the spot, as a curve does
-    /// whose first control point is next to its start, the pen turns with it.
+    /// A box whose ends stand across the true path's directions, each half apart: two triangles where a tight turn folds
+    /// one. Where the path turns on the spot, as a curve does in a cusp, the pen turns with it.
     fn segment(&mut self, from: Point, to: Point, leaves: Vec2, arrives: Vec2) {
         let chord = to - from;
-        let straight = chord.normalize();
-        let (mut leaves, mut arrives) = (leaves, arrives);
-        if self.turns_on_the_spot(leaves, straight) {
-            self.join(from, leaves, straight, Join::Round);
-            leaves = straight;
+        let mut leaves = leaves;
+        if self.turns_on_the_spot(leaves, arrives) {
+            self.turn(from, leaves, arrives);
+            leaves = arrives;
         }
-        if self.turns_on_the_spot(straight, arrives) {
-            self.join(to, straight, arrives, Join::Round);
-            arrives = straight;
-        }
-        let across = straight.turn_90() * self.radius;
         for side in [1.0, -1.0] {
             let (start, end) =
                 (leaves.turn_90() * (self.radius * side), arrives.turn_90() * (self.radius * side));
-            let folded = (chord + end - start).dot(chord) <= 0.0;
-            let (start, end) = if folded { (across * side, across * side) } else { (start, end) };
-            self.polygon(&[from, to, to + end, from + start]);
+            let apart = start.cross(end);
+            let (share, other) = (chord.cross(end) / apart, chord.cross(start) / apart);
+            let within = |share: f64| 0.0 < share && share < 1.0;
+            if within(share) && within(other) {
+                let crossing = from + start * share;
+                self.polygon(&[from, to, crossing]);
+                self.polygon(&[crossing, from + start, to + end]);
+            } else {
+                self.polygon(&[from, to, to + end, from + start]);
+            }
         }
     }
 
@@ -93,6 +93,14 @@ impl Pieces<'_> {
     fn turns_on_the_spot(&self, before: Vec2, after: Vec2) -> bool {
         let half_cosine = (0.5 * (1.0 + before.dot(after))).max(0.0).sqrt();
         self.radius * (1.0 - half_cosine) > self.tolerance
+    }
+
+    /// What both ends of the pen ink when it turns on the spot, the shorter way round.
+    fn turn(&mut self, at: Point, before: Vec2, after: Vec2) {
+        let across = before.turn_90() * self.radius;
+        let angle = before.cross(after).atan2(before.dot(after));
+        self.fan(at, across, angle);
+        self.fan(at, -across, angle);
     }
 
     /// The outer side of the turn from one direction to the next.

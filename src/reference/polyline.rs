@@ -1,6 +1,9 @@
 //! Takes paths, makes polylines which remember where they were smooth, and their dashes.
 
-use kurbo::{BezPath, CubicBez, ParamCurve, ParamCurveExtrema, PathEl, PathSeg, Point, QuadBez, Vec2};
+use kurbo::{
+    BezPath, CubicBez, Line, ParamCurve, ParamCurveDeriv, ParamCurveExtrema, ParamCurveNearest, PathEl,
+    Point, QuadBez, Vec2,
+};
 
 /// A flattened sub-path in user space.
 #[derive(Clone, Debug, Default)]
@@ -10,7 +13,7 @@ pub(super) struct Polyline {
     /// For each point, whether the line turns there only because a curve was flattened.
     pub(super) smooth: Vec<bool>,
     /// For each segment, the directions (of length 1) in which the true path leaves its first point
-    /// and arrives at its last. They are the chord's own but at the ends of curves and of dashes.
+    /// and arrives at its last. They are the chord's own but along curves and at the ends of dashes.
     pub(super) headings: Vec<(Vec2, Vec2)>,
     pub(super) closed: bool,
     /// The direction of a line of one point, for its caps.
@@ -35,8 +38,9 @@ impl Polyline {
         true
     }
 
-    /// The sub-paths of `path` which have at least one segment.
-    pub(super) fn all(path: &BezPath, tolerance: f64) -> Vec<Polyline> {
+    /// The sub-paths of `path` which have at least one segment. Within the tolerance lie the path, and both ends of a pen
+    /// that reaches so far to either side of it.
+    pub(super) fn all(path: &BezPath, tolerance: f64, reach: f64) -> Vec<Polyline> {
         let mut all = Vec::new();
         let mut line = Polyline::default();
         let mut segments = 0;
@@ -62,7 +66,7 @@ impl Polyline {
                 PathEl::LineTo(p) => {
                     line.push(p, false);
                 }
-                PathEl::QuadTo(..) | PathEl::CurveTo(..) => line.push_curve(last, *element, tolerance),
+                PathEl::QuadTo(..) | PathEl::CurveTo(..) => line.push_curve(last, *element, tolerance, reach),
             }
             segments += 1;
         }
@@ -70,34 +74,33 @@ impl Polyline {
         all
     }
 
-    fn push_curve(&mut self, from: Point, curve: PathEl, tolerance: f64) {
-        let mut points = flattened(from, curve, tolerance);
-        let end = points.pop();
+    fn push_curve(&mut self, from: Point, curve: PathEl, tolerance: f64, reach: f64) {
+        let mut stations = flattened(from, curve, tolerance, reach);
+        let end = stations.pop();
         // A chord of almost no length has the direction of its rounding.
         let apart = |a: Point, b: Point| a.distance(b) > tolerance;
         let mut last = from;
-        points.retain(|&point| {
-            let keep = apart(point, last) && end.is_none_or(|end| apart(point, end));
+        stations.retain(|&(point, _)| {
+            let keep = apart(point, last) && end.is_none_or(|(end, _)| apart(point, end));
             if keep {
                 last = point;
             }
             keep
         });
-        let first = self.headings.len();
-        points.into_iter().for_each(|point| {
-            self.push(point, true);
-        });
-        if let Some(end) = end {
-            // A last chord of no length must not make the end look smooth.
-            if self.points.last() == Some(&end) {
-                self.smooth.last_mut().into_iter().for_each(|smooth| *smooth = false);
-            }
-            self.push(end, false);
-        }
         let (leaves, arrives) = tangents(from, curve);
-        if self.headings.len() > first {
-            self.headings[first].0 = leaves;
-            self.headings.last_mut().expect("not empty").1 = arrives;
+        let mut before = Some(leaves);
+        let mut push = |point: Point, tangent: Option<Vec2>, smooth: bool| {
+            if self.push(point, smooth) {
+                let (leaves, arrives) = self.headings.last_mut().expect("just pushed");
+                (*leaves, *arrives) = (before.unwrap_or(*leaves), tangent.unwrap_or(*arrives));
+            }
+            before = tangent;
+        };
+        stations.into_iter().for_each(|(point, tangent)| push(point, tangent, true));
+        if let Some((end, _)) = end {
+            push(end, Some(arrives), false);
+            // A last chord of no length must not make the end look smooth.
+            self.smooth.last_mut().into_iter().for_each(|smooth| *smooth = false);
         }
     }
 
@@ -219,28 +222,55 @@ impl Polyline {
 /// Control points this near to an end, in user units, give no direction: it would be of rounding.
 const SAME_POINT: f64 = 1e-6;
 
-/// Points along the curve, but for its first. It is cut where it turns round in x or in y: one that runs
-/// out and back along a line is as good as its end to a flattener that looks for area.
-fn flattened(from: Point, curve: PathEl, tolerance: f64) -> Vec<Point> {
-    let segment = match curve {
-        PathEl::QuadTo(p1, p2) => PathSeg::Quad(QuadBez::new(from, p1, p2)),
-        PathEl::CurveTo(p1, p2, p3) => PathSeg::Cubic(CubicBez::new(from, p1, p2, p3)),
+/// Points along the curve, but for its first, each with the direction there if there is one. It is cut where it turns round
+/// in x or in y, for one may run out and back along a line; then in halves, until both ends of the pen go straight.
+fn flattened(from: Point, curve: PathEl, tolerance: f64, reach: f64) -> Vec<(Point, Option<Vec2>)> {
+    let curve = match curve {
+        PathEl::QuadTo(p1, p2) => QuadBez::new(from, p1, p2).raise(),
+        PathEl::CurveTo(p1, p2, p3) => CubicBez::new(from, p1, p2, p3),
         _ => return Vec::new(),
     };
-    let mut points = Vec::new();
+    let mut stations = Vec::new();
     let mut start = 0.0;
-    for end in segment.extrema().into_iter().chain([1.0]) {
-        let part = segment.subsegment(start..end);
-        kurbo::flatten([PathEl::MoveTo(part.start()), part.as_path_el()], tolerance, |element| {
-            if let PathEl::LineTo(p) = element {
-                points.push(p);
-            }
-        });
+    for end in curve.extrema().into_iter().chain([1.0]) {
+        halved(&curve, (start, end), tolerance, reach, MOST_HALVINGS, &mut stations);
         start = end;
     }
-    points.pop();
-    points.push(segment.end());
-    points
+    stations
+}
+
+/// Parts of a curve are halved this often at most.
+const MOST_HALVINGS: u32 = 16;
+
+/// The same for a part of it.
+fn halved(
+    curve: &CubicBez,
+    (from, to): (f64, f64),
+    tolerance: f64,
+    reach: f64,
+    halvings: u32,
+    stations: &mut Vec<(Point, Option<Vec2>)>,
+) {
+    let tangent = |t: f64| {
+        let velocity = curve.deriv().eval(t).to_vec2();
+        (velocity.hypot() > SAME_POINT).then(|| velocity.normalize())
+    };
+    let pen =
+        |t: f64, reach: f64| curve.eval(t) + tangent(t).map_or(Vec2::ZERO, |along| along.turn_90() * reach);
+    let goes_straight = |reach: f64| {
+        let chord = Line::new(pen(from, reach), pen(to, reach));
+        let is_near = |part: f64| {
+            chord.nearest(pen(from + part * (to - from), reach), 0.0).distance_sq <= tolerance * tolerance
+        };
+        [0.25, 0.5, 0.75].into_iter().all(is_near)
+    };
+    if halvings == 0 || [-reach, 0.0, reach].into_iter().all(goes_straight) {
+        stations.push((curve.eval(to), tangent(to)));
+        return;
+    }
+    let middle = 0.5 * (from + to);
+    halved(curve, (from, middle), tolerance, reach, halvings - 1, stations);
+    halved(curve, (middle, to), tolerance, reach, halvings - 1, stations);
 }
 
 /// The directions, of length 1, in which a curve leaves and arrives.

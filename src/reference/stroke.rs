@@ -44,7 +44,7 @@ pub(super) fn outline(
 fn lines<'a>(path: &BezPath, style: &'a Style, tolerance: f64) -> impl Iterator<Item = Polyline> + 'a {
     // Where a dash ends, its direction comes from the chords about it.
     let finer = if style.line.dash_pattern.is_empty() { 1.0 } else { 0.05 };
-    Polyline::all(path, finer * tolerance).into_iter().flat_map(|line| {
+    Polyline::all(path, finer * tolerance, 0.5 * style.line.width).into_iter().flat_map(|line| {
         if style.line.dash_pattern.is_empty() {
             vec![line]
         } else {
