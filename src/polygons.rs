@@ -18,7 +18,7 @@ const MOST_CHORDS: f64 = 16384.0;
 /// Parts of a curve that are looked at alone.
 const SPANS: usize = 4;
 
-/// The area that a pixel may be off by along a curve, as a share of the tolerance times a pixel's side.
+/// About the area that a pixel may be off by along a curve, as a share of the tolerance times a pixel's side.
 pub(crate) const AREA_SHARE: f64 = 0.07;
 
 /// How much shorter a curve's first and last chord are than the others, as a share of one.
@@ -162,9 +162,9 @@ fn whole_chords(needed: f64) -> f64 {
 ///
 /// A chord over a share h has the length L = h length and the distance d = h^2 sagitta from the curve. Its vertices are
 /// moved outwards by 2/3 d. On the polygon's outer side lies .128 L d then around each vertex, and as much on its inner side
-/// beside each chord; a pixel sees no more of it than 1.08 d. At the curve's ends a vertex gives back more; of a first
-/// chord as long as the others .281 L d would lie inside, of one that is shorter by [`ENDS_SHORTER`] no more than .128.
-/// Around the vertices of two or three chords, which are all of that kind, lies up to 1.64 times as much. Of a single chord
+/// beside each chord; a pixel sees no more of it than 1.08 d. At the curve's ends a vertex gives back more: inside a first
+/// chord as long as the others .281 L d would lie, of one that is shorter by [`ENDS_SHORTER`] .134, and .17 around its
+/// vertex (.21 if that is the only one): near its ends a pixel may be off by 1.5 times its share. Of a single chord
 /// 2/3 L d do: .577 cubed times that is .128.
 #[inline]
 fn chords_needed(sagitta: f64, lobe: f64, tolerance: f64, area_share: f64) -> f64 {
@@ -379,7 +379,7 @@ mod tests {
     }
 
     #[test]
-    fn a_pixel_is_off_by_its_share_of_area_at_most() {
+    fn a_pixel_is_off_by_little_more_than_its_share_of_area() {
         let share = AREA_SHARE * TOLERANCE;
         let mut most = 0.0f64;
         for width in [0.05, 0.1, 0.2, 0.4, 0.8, 1.6, 3.0, 6.0, 12.0, 25.0, 100.0] {
@@ -392,12 +392,12 @@ mod tests {
                 for from in 0..areas.len() {
                     let rest = &areas[from..areas.len().min(from.saturating_add(longest))];
                     let off = rest.iter().fold(0.0f64, |off, area| off.max((area - areas[from]).abs()));
-                    let limit = if chords.len() <= 4 { 1.7 } else { 1.2 };
+                    let limit = if chords.len() == 3 { 1.7 } else { 1.5 };
                     assert!(off < limit * share, "width {width}, slope {slope}: {}", off / share);
                     most = most.max(off);
                 }
                 let whole = areas[areas.len() - 1];
-                assert!(chords.len() == 2 || whole.abs() < 0.01 * share, "{}", whole / share);
+                assert!(chords.len() == 2 || whole.abs() < 0.05 * share, "{}", whole / share);
             }
         }
         // And no finer than that asks for.
