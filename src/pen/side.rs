@@ -72,7 +72,7 @@ impl Side<'_> {
                 let after = self.step(i + 1);
                 let outwards = match after.0 < 0.0 {
                     true => Vec2::ZERO,
-                    false => self.outwards(i, (before, i == 1), (after, i + 1 == last)),
+                    false => self.outwards(i, before, after, (i == 1, i + 1 == last)),
                 };
                 add(self.pen(i) + outwards);
                 before = after;
@@ -98,10 +98,12 @@ impl Side<'_> {
             end += 1;
         }
         folds.points.extend((first - 1..=end).rev().map(|i| {
-            let is_between = first <= i && i < end;
-            let steps = || ((self.step(i), i == first), (self.step(i + 1), i + 1 == end));
-            let outwards = is_between.then(steps).map(|(before, after)| self.outwards(i, before, after));
-            self.pen(i) + outwards.unwrap_or_default()
+            // The pens at its ends bound the sides before and behind it, too.
+            let outwards = match first <= i && i < end {
+                true => self.outwards(i, self.step(i), self.step(i + 1), (i == first, i + 1 == end)),
+                false => Vec2::ZERO,
+            };
+            self.pen(i) + outwards
         }));
         if self.which < 0.0 {
             folds.points[start..].reverse();
@@ -135,8 +137,9 @@ impl Side<'_> {
     fn outwards(
         &self,
         i: usize,
-        ((c0, a0), is_first): ((f64, f64), bool),
-        ((c1, a1), is_last): ((f64, f64), bool),
+        (c0, a0): (f64, f64),
+        (c1, a1): (f64, f64),
+        (is_first, is_last): (bool, bool),
     ) -> Vec2 {
         let length = c0 + c1;
         if length == 0.0 {
