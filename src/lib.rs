@@ -14,7 +14,7 @@
 //! | `texture` | an image at a scale → a layer |
 //! | `outlines` | scene + viewport → outlines with bounds, sorted into bands; flattened when first needed |
 //! | `tiles` | what each tile of a picture sees → which tiles another picture shows already |
-//! | `pen`, `polygons` | strokes → outlines; curves → chords |
+//! | `pen`, `polygons`, `chords` | strokes → outlines; curves → chords |
 //! | `edges` | polygons → edges in fixed point, sorted in y |
 //! | `band` | the shapes that meet one band, front to back → its pixels, by the stages below |
 //! | `coverage` | how fragments are kept: what the stages from `strips` to `pixel` are to a method |
@@ -78,6 +78,8 @@ mod tiles;
 mod pen;
 
 mod polygons;
+
+mod chords;
 
 mod edges;
 

@@ -1,4 +1,5 @@
-//! Every drawing among the samples that the truth can draw, and a few small ones, is within its bounds. (A whole folder of drawings: `cargo run --release --example corpus_check -- DIR`.)
+//! Every drawing among the samples that the truth can draw, and a few small ones, is within its bounds; wide pens on tight
+//! curves are near it. (A whole folder of drawings: `cargo run --release --example corpus_check -- DIR`.)
 
 mod support;
 

@@ -1,9 +1,10 @@
 //! Takes two segments that meet, makes the outline of their join; takes an end, makes that of its cap
 //! (SVG 2, 13.5.4 and 13.5.5).
 
+use super::nib::Nib;
+use super::quarter;
 use super::spine::Spine;
-use super::{quarter, Nib};
-use crate::polygons::{chord_end, outwards};
+use crate::chords::{chord_end, outwards};
 use crate::scene::StrokeStyle;
 use kurbo::{Cap, Join, Point, Vec2};
 use std::f64::consts::FRAC_PI_2;

@@ -16,8 +16,9 @@
 //!    q' +---+ q      their ends, in the opposite order
 //! ```
 
+use super::nib::Nib;
+use super::quarter;
 use super::spine::Station;
-use super::{quarter, Nib};
 use kurbo::{Point, Vec2};
 
 /// One side of one segment.

@@ -5,8 +5,9 @@
 //! t, as many as the outer side of the outline needs. Where the inner end of the pen begins to go backwards,
 //! and where it ceases to, the pen stops, too. Where a curve turns on the spot (a cusp) it turns with it.
 
-use super::{quarter, Nib};
-use crate::polygons::{chord_end, Curve};
+use super::nib::Nib;
+use super::quarter;
+use crate::chords::{chord_end, Curve};
 use kurbo::{Point, Vec2};
 
 /// Halvings of a curve: enough to get as near to a cusp as double precision can tell.

@@ -118,23 +118,10 @@ impl Polyline {
         }
     }
 
-    /// The true path's direction at `part` (0..=1) of segment `i`: the headings at its ends, or
-    /// where a curve was cut the mean of two chords, a short one counting more.
+    /// The true path's direction at `part` (0..=1) of segment `i`.
     fn heading(&self, i: usize, part: f64) -> Vec2 {
-        let (segments, count) = (self.headings.len(), self.points.len());
-        let length = |i: usize| self.points[i].distance(self.points[(i + 1) % count]);
-        let between = |before: usize, after: usize| {
-            self.headings[before].1 * length(after) + self.headings[after].0 * length(before)
-        };
-        let at = |vertex: usize, known: Vec2| {
-            if self.smooth[vertex % count] {
-                between((vertex + segments - 1) % segments, vertex % segments).normalize()
-            } else {
-                known
-            }
-        };
-        let (first, last) = (at(i, self.headings[i].0), at(i + 1, self.headings[i].1));
-        (first * (1.0 - part) + last * part).normalize()
+        let (leaves, arrives) = self.headings[i];
+        (leaves * (1.0 - part) + arrives * part).normalize()
     }
 
     /// The dashes of the line: `pattern` is dash, gap, dash, gap ... and begins `offset` before the

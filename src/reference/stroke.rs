@@ -42,7 +42,7 @@ pub(super) fn outline(
 
 /// The sub-paths, or their dashes.
 fn lines<'a>(path: &BezPath, style: &'a Style, tolerance: f64) -> impl Iterator<Item = Polyline> + 'a {
-    // Where a dash ends, its direction comes from the chords about it.
+    // Dashes are measured along the chords, and where one ends its direction lies between those of the chord's ends.
     let finer = if style.line.dash_pattern.is_empty() { 1.0 } else { 0.05 };
     Polyline::all(path, finer * tolerance, 0.5 * style.line.width).into_iter().flat_map(|line| {
         if style.line.dash_pattern.is_empty() {
