@@ -5,7 +5,7 @@
 //! reached, so that the two sides of a shared border are cut bit-identically. A point on the border
 //! between two pixels belongs to the right or lower one, everywhere.
 
-use crate::bitmap::Bitmap;
+use crate::bitmap::{word_mask, Bitmap};
 use crate::coverage::BandPlace;
 use crate::edges::{round, Edge, BAND_ROWS, FRACTION_BITS, ONE};
 
@@ -88,12 +88,19 @@ impl<C: Clone + Default, L: Default> Buckets<C, L> {
         &mut self.left[row]
     }
 
-    /// The cell of a pixel, in use from now on, and whether the pixel is `finished`.
+    /// The cell of a pixel, in use from now on, and whether the pixel is `finished`. Finished pixels side by
+    /// side have one cell, the first one's: where among them a shape goes on is not asked for.
     #[inline(always)]
     pub fn touch(&mut self, row: usize, pixel: usize, finished: &Bitmap) -> (&mut C, bool) {
         let (word, bit) = (row * finished.words() + pixel / 64, 1 << (pixel % 64));
-        self.touched.bits_mut()[word] |= bit;
-        (&mut self.cells[row * self.width + pixel], finished.bits()[word] & bit != 0)
+        let hidden = finished.bits()[word];
+        if hidden & bit == 0 {
+            self.touched.bits_mut()[word] |= bit;
+            return (&mut self.cells[row * self.width + pixel], false);
+        }
+        let back = (hidden << (63 - pixel % 64)).leading_ones() as usize - 1;
+        self.touched.bits_mut()[word] |= bit >> back;
+        (&mut self.cells[row * self.width + pixel - back], true)
     }
 
     /// The pixels in use in `row` within columns [from, to), from the left, with their cells, which
@@ -124,6 +131,9 @@ impl Buckets {
 
 /// Takes the parts of an edge, pixel by pixel.
 pub(crate) trait Bins {
+    /// The pixels of which nothing is asked but how much of an edge lies there or left of there.
+    fn finished(&self) -> &Bitmap;
+
     /// A part that lies left of the picture, at heights [y0, y1) of a row.
     fn left_of_picture(&mut self, row: usize, heights: (i32, i32), winding: i32);
 
@@ -155,17 +165,54 @@ pub(crate) fn clip_edge<B: Bins>(edge: &Edge, place: BandPlace, width: usize, bi
         let ends = [edge.x0 - left, y0, edge.x1 - left, y1];
         return bins.put(row, pixel as usize, ends, edge.winding, CrossesLeft::No);
     }
+    if let Some(pixel) = hidden_at(edge, (row, row), width, bins.finished()) {
+        return bins.put(row, pixel, [0, y0, 0, y1], edge.winding, CrossesLeft::No);
+    }
     let mut clipper = Clipper { bins, width: width as i32, winding: edge.winding, row };
     clipper.strip(Strip { x0: edge.x0, y0, x1: edge.x1, y1 });
+}
+
+/// The leftmost pixel of an edge of which all pixels in rows `first ..= last` are finished. Not found where it may meet
+/// pixels of several words, or lies beside the picture.
+#[inline(always)]
+fn hidden_at(edge: &Edge, (first, last): (usize, usize), width: usize, finished: &Bitmap) -> Option<usize> {
+    let word_at = |row: usize, pixel: usize| row * finished.words() + pixel / 64;
+    // Of most that are not hidden the first pixel tells.
+    let start = (edge.x0 >> FRACTION_BITS) as usize;
+    let word = *finished.bits().get(word_at(first, start))?;
+    if word >> (start % 64) & 1 == 0 {
+        return None;
+    }
+    let left = (edge.x0.min(edge.x1) >> FRACTION_BITS) as usize;
+    let right = (edge.x0.max(edge.x1) >> FRACTION_BITS) as usize;
+    if right >= width || left / 64 != right / 64 {
+        return None;
+    }
+    let mask = word_mask(left % 64, right % 64 + 1);
+    (first..=last).all(|row| finished.bits()[word_at(row, left)] & mask == mask).then_some(left)
 }
 
 /// As [`clip_edge`], for an edge that may meet several strips.
 fn clip_to_strips<B: Bins>(edge: &Edge, place: BandPlace, width: usize, bins: &mut B) {
     let top = (place.top as i32) << FRACTION_BITS;
     let end = edge.y1.min(top + place.count as i32 * ONE);
+    let start = edge.y0.max(top);
+    if start >= end {
+        return;
+    }
+    let row_at = |y: i32| ((y - top) >> FRACTION_BITS) as usize;
+    let rows = (row_at(start), row_at(end - 1));
+    if let Some(pixel) = hidden_at(edge, rows, width, bins.finished()) {
+        for row in rows.0..=rows.1 {
+            let row_top = top + ((row as i32) << FRACTION_BITS);
+            let ends = [0, (start - row_top).max(0), 0, (end - row_top).min(ONE)];
+            bins.put(row, pixel, ends, edge.winding, CrossesLeft::No);
+        }
+        return;
+    }
     let mut clipper = Clipper { bins, width: width as i32, winding: edge.winding, row: 0 };
     let slope = SlopeX::of(edge);
-    let mut y = edge.y0.max(top);
+    let mut y = start;
     let mut x = slope.x_at(edge, y);
     while y < end {
         let row = (y - top) >> FRACTION_BITS;
@@ -348,6 +395,11 @@ struct Filer<'a> {
 
 impl Bins for Filer<'_> {
     #[inline(always)]
+    fn finished(&self) -> &Bitmap {
+        self.finished
+    }
+
+    #[inline(always)]
     fn left_of_picture(&mut self, row: usize, (y0, y1): (i32, i32), winding: i32) {
         *self.buckets.left_mut(row) += (y1 - y0) * winding;
     }
@@ -371,5 +423,74 @@ impl Bins for Filer<'_> {
         let next = std::mem::replace(&mut cell.pieces, self.pieces.len() as u32);
         let (x0, y0, x1, y1) = (x0 as u16, y0 as u16, x1 as u16, y1 as u16);
         self.pieces.push(Piece { x0, y0, x1, y1, next, winding: winding as i8, crosses_left });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const WIDTH: usize = 150;
+
+    /// For each pixel of the band how much of the edges lies left of it, and the cell's area and number of pieces.
+    fn filed(edges: &[Edge], place: BandPlace, finished: &Bitmap) -> Vec<(i32, i64, usize)> {
+        let (mut buckets, mut pieces) = (Buckets::new(WIDTH as u32), Vec::new());
+        edges.iter().for_each(|edge| buckets.add(edge, place, finished, &mut pieces));
+        let mut pixels = Vec::new();
+        for row in 0..BAND_ROWS as usize {
+            let mut cells = vec![Cell::default(); WIDTH];
+            let mut left = buckets.take_left(row);
+            buckets.drain_row(row, (0, WIDTH), |x, cell| cells[x] = cell);
+            for cell in cells {
+                let mut next = cell.pieces;
+                let count = std::iter::from_fn(|| {
+                    let piece = pieces.get(next as usize)?;
+                    next = piece.next;
+                    Some(())
+                });
+                pixels.push((left, cell.area, count.count()));
+                left += cell.cover;
+            }
+        }
+        pixels
+    }
+
+    /// Whatever is finished, the other pixels know as much of the edges as if nothing were.
+    #[test]
+    fn finished_pixels_keep_nothing_from_the_others() {
+        let mut state = 1u64;
+        let mut random = |below: u64| {
+            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            (state >> 33) % below
+        };
+        let place = BandPlace { top: 8, count: 7 };
+        let nothing = Bitmap::new(WIDTH, BAND_ROWS as usize);
+        for _ in 0..2000 {
+            let mut finished = nothing.clone();
+            for row in 0..BAND_ROWS as usize {
+                for _ in 0..random(4) {
+                    let from = random(WIDTH as u64) as usize;
+                    let to = (from + random(80) as usize).min(WIDTH);
+                    (from..to).for_each(|x| finished.set(row, x));
+                }
+            }
+            let mut at = |range: i64, least: i64| {
+                (random((range as u64) << FRACTION_BITS) as i64 + (least << FRACTION_BITS)) as i32
+            };
+            let mut edges = Vec::new();
+            for i in 0..6 {
+                let reach = [200, 12, 2][i % 3];
+                let (x0, y0) = (at(200, -25), at(9, 7));
+                let (x1, y1) = (x0 + at(reach, -reach / 2), y0 + at(reach, 0));
+                edges.push(Edge { x0, y0, x1, y1, winding: 1 - 2 * (i as i32 / 3) });
+            }
+            let (all, seen) = (filed(&edges, place, &nothing), filed(&edges, place, &finished));
+            for (pixel, (all, seen)) in all.iter().zip(&seen).enumerate() {
+                let (row, x) = (pixel / WIDTH, pixel % WIDTH);
+                if !finished.get(row, x) {
+                    assert_eq!(seen, all, "pixel {x} of row {row}: {edges:?}");
+                }
+            }
+        }
     }
 }

@@ -247,6 +247,11 @@ struct Filer<'a, B, S> {
 }
 
 impl<B: Lattice, S: Sampler<B>> Bins for Filer<'_, B, S> {
+    #[inline(always)]
+    fn finished(&self) -> &Bitmap {
+        self.finished
+    }
+
     #[inline]
     fn left_of_picture(&mut self, row: usize, (y0, y1): (i32, i32), winding: i32) {
         self.buckets.left_mut(row).add(self.sampler.rows(y0, y1), winding);

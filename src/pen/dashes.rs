@@ -1,7 +1,7 @@
 //! Takes a path, makes its dashes (SVG 2, 13.5.6).
 
 use crate::scene::StrokeStyle;
-use kurbo::{Affine, BezPath, Cap};
+use kurbo::{Affine, BezPath, Cap, PathEl, Point};
 
 /// The length of a dash without one, as a share of the pen's width.
 const NO_LENGTH: f64 = 1e-6;
@@ -24,13 +24,27 @@ pub(super) fn dashed(path: &BezPath, style: &StrokeStyle) -> Option<BezPath> {
         return None;
     }
     let scale = scale_for_dashes(length);
-    if scale == 1.0 {
-        return Some(kurbo::dash(path.iter(), style.dash_offset, &dashes).collect());
-    }
     dashes.iter_mut().for_each(|dash| *dash *= scale);
-    let scaled = Affine::scale(scale) * path;
-    let dashed: BezPath = kurbo::dash(scaled.iter(), style.dash_offset * scale, &dashes).collect();
+    let mut dashed = BezPath::new();
+    let sub_paths = path.elements().chunk_by(|_, next| !matches!(next, PathEl::MoveTo(_)));
+    for sub_path in sub_paths.filter(|sub_path| has_length(sub_path)) {
+        let scaled = sub_path.iter().map(|element| Affine::scale(scale) * *element);
+        dashed.extend(kurbo::dash(scaled, style.dash_offset * scale, &dashes));
+    }
     Some(Affine::scale(1.0 / scale) * dashed)
+}
+
+/// Does a sub-path leave the point in which it begins? Otherwise it has no dashes, not even dots, and kurbo would begin
+/// what comes next with it.
+fn has_length(sub_path: &[PathEl]) -> bool {
+    let start = sub_path.first().and_then(PathEl::end_point);
+    let leaves = |point: &Point| Some(*point) != start;
+    sub_path.iter().any(|element| match element {
+        PathEl::MoveTo(_) | PathEl::ClosePath => false,
+        PathEl::LineTo(p) => leaves(p),
+        PathEl::QuadTo(p1, p) => leaves(p1) || leaves(p),
+        PathEl::CurveTo(p1, p2, p) => leaves(p1) || leaves(p2) || leaves(p),
+    })
 }
 
 /// A power of two by which a path of this length becomes one of 1/2 to 2^20. kurbo measures curves to a millionth of
@@ -55,7 +69,7 @@ fn length(path: &BezPath) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use kurbo::{PathEl, Stroke};
+    use kurbo::Stroke;
 
     #[test]
     fn dashes_of_a_curve_of_any_size_end_and_are_alike() {
@@ -75,6 +89,22 @@ mod tests {
             for (a, b) in found.iter().zip(&expected) {
                 let (a, b) = (a.end_point().expect("a point"), b.end_point().expect("a point"));
                 assert!((a - b).hypot() < 1e-5, "{size}: {a} and not {b}");
+            }
+        }
+    }
+    #[test]
+    fn a_sub_path_of_no_length_has_no_dashes_and_leaves_the_next_alone() {
+        let dashed = |path: &str| {
+            let style: StrokeStyle = Stroke::new(8.0).with_dashes(2.0, [10.0, 5.0]).into();
+            let path = BezPath::from_svg(path).expect("a path");
+            super::dashed(&path, &style).expect("dashes").into_elements()
+        };
+        for line in ["M3 4H40", "M3 4H40L9 9z"] {
+            let expected = dashed(line);
+            for nothing in ["M50 50z", "M50 50h0", "M50 50h0z", "M3 4C3 4 3 4 3 4z"] {
+                for path in [format!("{nothing}{line}"), format!("{line}{nothing}")] {
+                    assert_eq!(dashed(&path), expected, "{path}");
+                }
             }
         }
     }

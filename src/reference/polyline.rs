@@ -125,11 +125,14 @@ impl Polyline {
     }
 
     /// The dashes of the line: `pattern` is dash, gap, dash, gap ... and begins `offset` before the
-    /// line does. In a closed line a dash over the seam is one.
+    /// line does. In a closed line a dash over the seam is one. A line of no length has none.
     pub(super) fn dashes(&self, pattern: &[f64], offset: f64) -> Vec<Polyline> {
         let period: f64 = pattern.iter().sum();
         if period.is_nan() || period <= 0.0 || !pattern.len().is_multiple_of(2) {
             return vec![self.clone()];
+        }
+        if self.headings.is_empty() {
+            return Vec::new();
         }
         let (mut at, mut left) = (0, offset.rem_euclid(period));
         // A dash of no length is a dot; it is not passed over where it stands.

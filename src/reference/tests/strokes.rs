@@ -149,6 +149,18 @@ fn a_dash_or_a_line_of_no_length_is_a_dot_if_its_caps_are_round_or_square() {
 }
 
 #[test]
+fn a_dashed_sub_path_of_no_length_is_nothing() {
+    for d in ["M2 2h0M6 2h3", "M2 2zM6 2h3", "M6 2h3M2 2z"] {
+        let body = format!(
+            "<path stroke='#000' stroke-width='2' stroke-linecap='round' stroke-dasharray='9' d='{d}'/>"
+        );
+        let truth = truth_by(Stroker::Pieces, 12, 4, &body);
+        // The line with its caps.
+        assert_near(area(&truth), 6.0 + std::f64::consts::PI, 1e-2);
+    }
+}
+
+#[test]
 fn a_round_join_stands_before_a_line_that_turns_back() {
     for stroker in STROKERS {
         for d in ["M10 3H4H10", "M4 3H10H4", "M4 3C6 3 10 3 10 3H4z"] {
