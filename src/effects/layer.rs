@@ -28,6 +28,9 @@ pub(crate) type Pixel = [f32; 4];
 /// Nothing.
 pub(crate) const CLEAR: Pixel = [0.0; 4];
 
+/// Less alpha than this a byte would not hold.
+const FAINT: f32 = 0.5 / 255.0;
+
 /// A premultiplied pixel from a straight one, clamped to what a pixel may hold; NaN is 0.
 #[inline]
 pub(crate) fn premultiplied([r, g, b, a]: Pixel) -> Pixel {
@@ -228,12 +231,16 @@ impl Layer {
         }
     }
 
-    /// Every pixel by itself; the result is clamped to what a pixel may hold.
+    /// Every pixel by itself; the result is clamped to what a pixel may hold. What is fainter than a byte would hold
+    /// is clear: its straight colour, and what is made of that, might be anything, as in the tails of a blur.
     pub fn map_straight(mut self, map: impl Fn(Pixel) -> Pixel) -> Layer {
-        let (mut known, mut known_mapped) = (CLEAR, premultiplied(map(CLEAR)));
+        let clear = premultiplied(map(CLEAR));
+        let (mut known, mut known_mapped) = (CLEAR, clear);
         for pixel in &mut self.pixels {
             if *pixel != known {
-                (known, known_mapped) = (*pixel, premultiplied(map(straight(*pixel))));
+                let is_faint = pixel[3] < FAINT;
+                known = *pixel;
+                known_mapped = if is_faint { clear } else { premultiplied(map(straight(*pixel))) };
             }
             *pixel = known_mapped;
         }

@@ -172,6 +172,7 @@ fn transferred(function: &TransferFunction, c: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::effects::layer::Space;
 
     #[test]
     fn tables_pass_through_their_values() {
@@ -209,6 +210,17 @@ mod tests {
                 assert!((found - mean).abs() < 0.01, "{corners:?}: {found}, not {mean}");
             }
         }
+    }
+
+    #[test]
+    fn what_is_too_faint_for_a_byte_has_no_colour() {
+        let alpha = |faint: f32| {
+            let mut layer = Layer::clear(IntRect::new(0, 0, 1, 1), Space::Srgb);
+            layer.span_mut(0, layer.rect())[0] = [faint; 4];
+            matrix(layer, &ColorMatrixKind::LuminanceToAlpha).pixel(0, 0)[3]
+        };
+        assert_eq!(alpha(0.4 / 255.0), 0.0);
+        assert!((alpha(0.6 / 255.0) - 1.0).abs() < 1e-3);
     }
 
     #[test]
