@@ -44,7 +44,7 @@ pub struct Options {
 pub struct Warning {
     /// What is left out, in the plural: `images` (that cannot be read), `texts without a
     /// font`, `links by which elements draw themselves`, `foreign objects`, `elements of other files`,
-    /// `vector effects`, `elements with filters that are not there`.
+    /// `vector effects`, `linear colours of masks`, `elements with filters that are not there`.
     pub kind: &'static str,
     /// The first element that has it: its `id`, or where it stands when it has none.
     pub element: String,

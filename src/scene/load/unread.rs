@@ -22,6 +22,9 @@ pub(super) fn find<'a>(xml: &'a Document<'a>, finder: &Finder<'a>) -> Vec<Warnin
         if finder.value(node, "vector-effect").is_some_and(|value| value.trim() == "non-scaling-stroke") {
             warn("vector effects");
         }
+        if is(&node, "mask") && mixes_linearly(node, finder) {
+            warn("linear colours of masks");
+        }
         let filter = finder.value(node, "filter").and_then(only_link);
         if filter.is_some_and(|id| !finder.target(id).is_some_and(|target| is(&target, "filter"))) {
             warn("elements with filters that are not there");
@@ -42,6 +45,11 @@ fn has_another(node: &Node) -> bool {
 fn leads_elsewhere(node: &Node) -> bool {
     let href = node.attributes().find(|attribute| attribute.name() == "href");
     href.is_some_and(|href| !matches!(href.value().trim().bytes().next(), None | Some(b'#')))
+}
+
+fn mixes_linearly<'a>(mask: Node<'a, 'a>, finder: &Finder<'a>) -> bool {
+    let value = mask.ancestors().find_map(|node| finder.value(node, "color-interpolation"));
+    value.is_some_and(|value| value.trim() == "linearRGB")
 }
 
 /// The id in a property that is one link and no more: in lists the parser passes over what it does not find.
@@ -83,6 +91,12 @@ mod tests {
             found("<style>.a{vector-effect:non-scaling-stroke}</style><rect id='r' class='a'/>"),
             [("vector effects", "r".to_owned(), 1)]
         );
+        for inside in [
+            "<mask id='m' color-interpolation='linearRGB'/>",
+            "<g style='color-interpolation:linearRGB'><mask id='m'/></g>",
+        ] {
+            assert_eq!(found(inside), [("linear colours of masks", "m".to_owned(), 1)]);
+        }
         assert_eq!(
             found("<g id='g' filter=\"url( '#typo' )\"/>"),
             [("elements with filters that are not there", "g".to_owned(), 1)]
@@ -95,6 +109,7 @@ mod tests {
             "<switch><foreignObject/><text/></switch>",
             "<use href='#a'/><use/><use href=''/>",
             "<rect vector-effect='none'/>",
+            "<g color-interpolation='linearRGB'><mask color-interpolation='sRGB'/><rect/></g>",
             "<filter id='f'/><g filter='url(#f)'/><g filter='blur(2px)'/><g style='filter:url(#f)' filter='url(#g)'/>
              <g filter='url(#g) blur(2px)'/><g filter='url(#f) url(#g)'/>",
         ] {
