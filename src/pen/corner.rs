@@ -50,12 +50,13 @@ impl Corner {
     /// The corner between two segments, or `None` where the path goes smoothly on.
     pub fn new(spine: &Spine, before: usize, after: usize, style: &StrokeStyle, nib: Nib) -> Option<Corner> {
         let (end, begin) = (spine.end(before), spine.begin(after));
-        let (sine, cosine) = (end.along.cross(begin.along), end.along.dot(begin.along));
+        // Where the path turns back, rounding may carry the cosine a little too far.
+        let (sine, cosine) = (end.along.cross(begin.along), end.along.dot(begin.along).max(-1.0));
         let radius = nib.radius;
         if cosine > 0.0 && sine.abs() * radius * nib.scale < SMOOTH {
             return None;
         }
-        let trim = radius * ((1.0 - cosine) / (1.0 + cosine)).max(0.0).sqrt();
+        let trim = radius * ((1.0 - cosine) / (1.0 + cosine)).sqrt();
         let limit = style.miter_limit;
         let is_pointed = match style.join {
             Join::Miter => limit * limit * (1.0 + cosine) >= 2.0,

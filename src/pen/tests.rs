@@ -1,8 +1,7 @@
 //! Outlines of paths, by their areas and their edges.
 
 use super::*;
-use crate::edges::EdgeList;
-use crate::edges::{BAND_ROWS, ONE};
+use crate::edges::{Edge, EdgeList, BAND_ROWS, ONE};
 use kurbo::{Join, Stroke};
 
 /// All edges of an outline on 64 x 64 pixels, sorted: x0, y0, x1, y1, winding.
@@ -15,11 +14,13 @@ fn edges_of(path: &str, style: &StrokeStyle) -> Vec<[i32; 5]> {
     let mut list = EdgeList::new(64, 64);
     Pen::default().stroke(path.iter(), style, (Affine::IDENTITY, 1.0), 0.01, &mut list);
     let banded = list.take_banded();
+    // An edge stands in every band that it meets; it counts in the one in which it begins.
+    let begins = |edge: &Edge, band: usize| edge.y0.max(0) / (BAND_ROWS as i32 * ONE) == band as i32;
     let mut all: Vec<_> = (0..64 / BAND_ROWS as usize)
-        .flat_map(|band| banded.band(band).iter().map(|e| [e.x0, e.y0, e.x1, e.y1, e.winding]))
+        .flat_map(|band| banded.band(band).iter().filter(move |edge| begins(edge, band)))
+        .map(|e| [e.x0, e.y0, e.x1, e.y1, e.winding])
         .collect();
     all.sort_unstable();
-    all.dedup();
     all
 }
 
@@ -73,6 +74,23 @@ fn sides_of_lines_that_meet_in_a_point_have_no_other_vertex() {
     // Across a bevel, and along an arc.
     assert_eq!(count("M10 30.3H20.2L30 20", Join::Bevel), 7);
     assert!(count("M10 30.3H20.2L30 20", Join::Round) > 7);
+}
+
+#[test]
+fn a_line_that_turns_back_has_its_joins_in_every_direction() {
+    for i in 0..720 {
+        let (sine, cosine) = (f64::from(i) * std::f64::consts::TAU / 720.0).sin_cos();
+        // As the parser reads it.
+        let [x, y] = [cosine, sine].map(|v| (31.7 + 25.3 * v) as f32);
+        let length = f64::from(x - 31.7).hypot(f64::from(y - 31.7));
+        for (join, one) in [(Join::Miter, 0.0), (Join::Bevel, 0.0), (Join::Round, 2.0 * std::f64::consts::PI)]
+        {
+            // Each of the two lines has its box.
+            let boxes = 2.0 * 4.0 * length;
+            assert_area(&format!("M31.7 31.7L{x} {y}L31.7 31.7"), &pen(4.0).with_join(join), boxes + one);
+            assert_area(&format!("M31.7 31.7L{x} {y}z"), &pen(4.0).with_join(join), boxes + 2.0 * one);
+        }
+    }
 }
 
 #[test]
