@@ -1,75 +1,187 @@
 //! Takes a path, makes its dashes (SVG 2, 13.5.6).
+//!
+//! kurbo makes dashes, too, but where a curve has no length, where a pattern begins just where a dash ends, and
+//! where a sub-path is closed by a line, it lets dashes out or adds some.
 
 use crate::scene::StrokeStyle;
-use kurbo::{Affine, BezPath, Cap, PathEl, Point};
+use kurbo::{BezPath, Cap, Line, ParamCurve, ParamCurveArclen, PathEl, PathSeg, Point};
 
-/// The length of a dash without one, as a share of the pen's width.
+/// The length of a dot, as a share of the pen's width.
 const NO_LENGTH: f64 = 1e-6;
+
+/// A dash or a gap that begins or ends this near to the end of a line or curve, as a share of the pattern, does so there:
+/// whether there is a little more of it behind the corner would be a matter of rounding.
+const NEGLIGIBLE: f64 = 1e-6;
+
+/// How well curves are measured, as a share of the path's length.
+const ACCURACY: f64 = 1e-9;
 
 /// More dashes than this are drawn as one line.
 const MOST_DASHES: f64 = 1_000_000.0;
 
-/// The dashes of a path, or `None` where it is drawn as one line.
+/// The dashes of a path, or `None` where it is drawn as one line. A sub-path of no length has none, not even dots.
 pub(super) fn dashed(path: &BezPath, style: &StrokeStyle) -> Option<BezPath> {
-    let mut dashes = style.dash_pattern.clone();
-    if style.start_cap != Cap::Butt {
-        // Those without a length have caps all the same.
-        dashes.iter_mut().for_each(|dash| *dash = dash.max(NO_LENGTH * style.width));
+    let mut dashes = style.dash_pattern.to_vec();
+    if dashes.len() % 2 == 1 {
+        // What was a dash is a gap the second time.
+        dashes.extend_from_within(..);
     }
     let period: f64 = dashes.iter().sum();
-    let length = length(path);
+    let length: f64 = path.segments().map(hull_length).sum();
     let count = length * dashes.len() as f64 / period;
     // A period that is nothing, or not a number, would not end either.
     if count.is_nan() || count > MOST_DASHES {
         return None;
     }
-    let scale = scale_for_dashes(length);
-    dashes.iter_mut().for_each(|dash| *dash *= scale);
-    let mut dashed = BezPath::new();
-    let sub_paths = path.elements().chunk_by(|_, next| !matches!(next, PathEl::MoveTo(_)));
-    for sub_path in sub_paths.filter(|sub_path| has_length(sub_path)) {
-        let scaled = sub_path.iter().map(|element| Affine::scale(scale) * *element);
-        dashed.extend(kurbo::dash(scaled, style.dash_offset * scale, &dashes));
+    let dot = if style.start_cap == Cap::Butt { 0.0 } else { NO_LENGTH * style.width };
+    let pattern = Pattern { dashes, period, offset: style.dash_offset, dot, accuracy: ACCURACY * length };
+    let mut dashed = Vec::new();
+    for sub_path in path.elements().chunk_by(|_, next| !matches!(next, PathEl::MoveTo(_))) {
+        let segments = kurbo::segments(sub_path.iter().copied());
+        let segments: Vec<Measured> = segments.filter_map(|segment| pattern.measured(segment)).collect();
+        let is_closed = matches!(sub_path.last(), Some(PathEl::ClosePath));
+        pattern.dash(&segments, is_closed, &mut dashed);
     }
-    Some(Affine::scale(1.0 / scale) * dashed)
+    Some(BezPath::from_vec(dashed))
 }
 
-/// Does a sub-path leave the point in which it begins? Otherwise it has no dashes, not even dots, and kurbo would begin
-/// what comes next with it.
-fn has_length(sub_path: &[PathEl]) -> bool {
-    let start = sub_path.first().and_then(PathEl::end_point);
-    let leaves = |point: &Point| Some(*point) != start;
-    sub_path.iter().any(|element| match element {
-        PathEl::MoveTo(_) | PathEl::ClosePath => false,
-        PathEl::LineTo(p) => leaves(p),
-        PathEl::QuadTo(p1, p) => leaves(p1) || leaves(p),
-        PathEl::CurveTo(p1, p2, p) => leaves(p1) || leaves(p2) || leaves(p),
-    })
+/// Dash, gap, dash, gap ...
+struct Pattern {
+    dashes: Vec<f64>,
+    period: f64,
+    /// How far into the pattern the path begins.
+    offset: f64,
+    /// A dash shorter than this is drawn so long, for its caps want a direction.
+    dot: f64,
+    accuracy: f64,
 }
 
-/// A power of two by which a path of this length becomes one of 1/2 to 2^20. kurbo measures curves to a millionth of
-/// whatever unit they are in: it would not end where floats are coarser, and of a short one see nothing.
-fn scale_for_dashes(length: f64) -> f64 {
-    match length {
-        0.0 | 1.0..=1_048_576.0 => 1.0,
-        _ => libm::exp2((if length < 1.0 { 0.0 } else { 20.0 } - libm::log2(length)).floor()),
+/// Where in the pattern one is.
+struct Place {
+    /// The dash, if it is even, or the gap.
+    at: usize,
+    /// What is left of it.
+    left: f64,
+}
+
+impl Place {
+    fn is_inked(&self) -> bool {
+        self.at.is_multiple_of(2)
     }
 }
 
-/// Length of the control polygon: never less than the path's own.
-fn length(path: &BezPath) -> f64 {
-    let hull = |segment: kurbo::PathSeg| match segment {
-        kurbo::PathSeg::Line(l) => (l.p1 - l.p0).hypot(),
-        kurbo::PathSeg::Quad(q) => (q.p1 - q.p0).hypot() + (q.p2 - q.p1).hypot(),
-        kurbo::PathSeg::Cubic(c) => (c.p1 - c.p0).hypot() + (c.p2 - c.p1).hypot() + (c.p3 - c.p2).hypot(),
-    };
-    path.segments().map(hull).sum()
+/// A line or a cubic and its length, which is not 0.
+struct Measured {
+    segment: PathSeg,
+    length: f64,
+}
+
+impl Pattern {
+    fn measured(&self, segment: PathSeg) -> Option<Measured> {
+        let segment = match segment {
+            PathSeg::Line(_) => segment,
+            // Lengths along a parabola have a closed form, which fails where it is nearly a line.
+            _ => PathSeg::Cubic(segment.to_cubic()),
+        };
+        let length = segment.arclen(self.accuracy);
+        (length > 0.0).then_some(Measured { segment, length })
+    }
+
+    /// Where a sub-path begins.
+    fn start(&self) -> Place {
+        let mut gone = self.offset.rem_euclid(self.period);
+        let mut at = 0;
+        // A dash of no length is a dot: it is not passed over where it stands.
+        while gone > 0.0 && gone >= self.dashes[at] - NEGLIGIBLE * self.period {
+            gone -= self.dashes[at];
+            at = (at + 1) % self.dashes.len();
+        }
+        Place { at, left: self.dashes[at] - gone.max(0.0) }
+    }
+
+    /// Adds the dashes of one sub-path. In a closed one the last dash and the first are one where they meet; one that is
+    /// as long as all of it has two caps there, as in browsers.
+    fn dash(&self, segments: &[Measured], is_closed: bool, dashed: &mut Vec<PathEl>) {
+        let Some(first_segment) = segments.first() else {
+            return;
+        };
+        let negligible = NEGLIGIBLE * self.period;
+        let mut place = self.start();
+        let begins_inked = place.is_inked();
+        let first = dashed.len();
+        if begins_inked {
+            dashed.push(PathEl::MoveTo(first_segment.segment.start()));
+        }
+        let mut first_end = None;
+        for Measured { segment, length } in segments {
+            let parameter = |gone: f64| parameter(segment, *length, gone, self.accuracy);
+            let (mut gone, mut from) = (0.0, 0.0);
+            while gone + place.left < length - negligible {
+                let is_dot = self.dashes[place.at] < self.dot;
+                let is_over = place.left <= negligible && !is_dot;
+                gone += place.left.max(0.0);
+                let to = if is_over { from } else { parameter(gone) };
+                match place.is_inked() {
+                    true if is_dot => {
+                        dashed.push(part(segment, to, parameter((gone + self.dot).min(*length))))
+                    }
+                    true if is_over => {}
+                    true => dashed.push(part(segment, from, to)),
+                    false => dashed.push(PathEl::MoveTo(segment.eval(to))),
+                }
+                first_end.get_or_insert(dashed.len());
+                from = to;
+                let at = (place.at + 1) % self.dashes.len();
+                place = Place { at, left: self.dashes[at] };
+            }
+            place.left -= length - gone;
+            if place.is_inked() {
+                dashed.push(part(segment, from, 1.0));
+            }
+        }
+        if let Some(first_end) = first_end.filter(|_| is_closed && begins_inked && place.is_inked()) {
+            // The first dash goes on where the last one ends.
+            dashed[first..].rotate_left(first_end - first);
+            let again = dashed.len() - (first_end - first);
+            dashed.remove(again);
+        }
+    }
+}
+
+/// The share of a segment, as its parameter, that is so long.
+fn parameter(segment: &PathSeg, length: f64, gone: f64, accuracy: f64) -> f64 {
+    match segment {
+        PathSeg::Line(_) => gone / length,
+        curve => curve.inv_arclen(gone, accuracy),
+    }
+}
+
+/// A part of a segment, to go on with from where it begins.
+fn part(segment: &PathSeg, from: f64, to: f64) -> PathEl {
+    match segment {
+        PathSeg::Line(Line { p1, .. }) if to == 1.0 => PathEl::LineTo(*p1),
+        PathSeg::Line(line) => PathEl::LineTo(line.eval(to)),
+        curve => {
+            let part = curve.subsegment(from..to).to_cubic();
+            PathEl::CurveTo(part.p1, part.p2, part.p3)
+        }
+    }
+}
+
+/// Length of the control polygon: never less than the segment's own.
+fn hull_length(segment: PathSeg) -> f64 {
+    let length = |points: &[Point]| points.windows(2).map(|pair| (pair[1] - pair[0]).hypot()).sum();
+    match segment {
+        PathSeg::Line(l) => length(&[l.p0, l.p1]),
+        PathSeg::Quad(q) => length(&[q.p0, q.p1, q.p2]),
+        PathSeg::Cubic(c) => length(&[c.p0, c.p1, c.p2, c.p3]),
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use kurbo::Stroke;
+    use kurbo::{Affine, Stroke};
 
     #[test]
     fn dashes_of_a_curve_of_any_size_end_and_are_alike() {

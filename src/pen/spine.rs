@@ -100,6 +100,7 @@ impl Spine {
 
     /// A cubic; one that is not `seen` needs nothing between its ends.
     pub fn cubic(&mut self, hull: [Point; 4], seen: bool, nib: Nib) {
+        let hull = without_noise(hull);
         let mut reverse = hull;
         reverse.reverse();
         let Some(begins) = direction(&hull) else {
@@ -261,6 +262,22 @@ impl Legs {
         let (least, most) = (la.min(lb).min(lc), la.max(lb).max(lc));
         least > LEAST_EVEN * most && a.dot(b) > 0.7 * la * lb && b.dot(c) > 0.7 * lb * lc
     }
+}
+
+/// A control point that lies this near to an end, as a share of the hull's size, has no direction from there: it would
+/// be of rounding, as in a part of a curve that is cut off where it stands still.
+const SAME_POINT: f64 = 1e-9;
+
+/// The hull with such control points put where the ends are.
+fn without_noise([p0, p1, p2, p3]: [Point; 4]) -> [Point; 4] {
+    let size = [p1, p2, p3].iter().fold(0.0, |size: f64, p| size.max((*p - p0).hypot2()));
+    let is_near = |a: Point, b: Point| (a - b).hypot2() <= SAME_POINT * SAME_POINT * size;
+    let placed = |p: Point, near: Point, far: Point| match () {
+        () if is_near(p, near) => near,
+        () if is_near(p, far) => far,
+        () => p,
+    };
+    [p0, placed(p1, p0, p3), placed(p2, p3, p0), p3]
 }
 
 /// No less than the angle between two vectors.

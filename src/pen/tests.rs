@@ -163,6 +163,16 @@ fn all_pieces_wind_one_way() {
 }
 
 #[test]
+fn a_control_point_beside_its_end_by_rounding_gives_no_direction() {
+    let corner =
+        |control: &str| area(&format!("M40 10L26 6C26 6 {control} 26 40"), &pen(6.0).with_join(Join::Miter));
+    let expected = corner("26 6");
+    for control in ["26.000000000000004 6.000000000000003", "25.999999999999996 6"] {
+        assert!((corner(control) - expected).abs() < 1e-3, "{control}");
+    }
+}
+
+#[test]
 fn a_path_that_goes_nowhere_has_caps_only() {
     let round = pen(10.0).with_caps(Cap::Round);
     assert_area("M30 30Z", &round, 25.0 * std::f64::consts::PI);

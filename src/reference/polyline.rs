@@ -118,6 +118,11 @@ impl Polyline {
         }
     }
 
+    /// Of segment `i`.
+    fn length(&self, i: usize) -> f64 {
+        self.points[i].distance(self.points[(i + 1) % self.points.len()])
+    }
+
     /// The true path's direction at `part` (0..=1) of segment `i`.
     fn heading(&self, i: usize, part: f64) -> Vec2 {
         let (leaves, arrives) = self.headings[i];
@@ -125,7 +130,7 @@ impl Polyline {
     }
 
     /// The dashes of the line: `pattern` is dash, gap, dash, gap ... and begins `offset` before the
-    /// line does. In a closed line a dash over the seam is one. A line of no length has none.
+    /// line does. In a closed line the last dash and the first are one where they meet. A line of no length has none.
     pub(super) fn dashes(&self, pattern: &[f64], offset: f64) -> Vec<Polyline> {
         let period: f64 = pattern.iter().sum();
         if period.is_nan() || period <= 0.0 || !pattern.len().is_multiple_of(2) {
@@ -135,12 +140,14 @@ impl Polyline {
             return Vec::new();
         }
         let (mut at, mut left) = (0, offset.rem_euclid(period));
+        // What begins or ends this near to a corner does so there.
+        let nothing = 1e-6 * period;
         // A dash of no length is a dot; it is not passed over where it stands.
-        while left > 0.0 && left >= pattern[at] {
+        while left > 0.0 && left >= pattern[at] - nothing {
             left -= pattern[at];
             at = (at + 1) % pattern.len();
         }
-        left = pattern[at] - left;
+        left = pattern[at] - left.max(0.0);
         let begins_inked = at % 2 == 0;
         let mut dashes: Vec<Polyline> = Vec::new();
         let mut dash = Polyline::default();
@@ -148,13 +155,16 @@ impl Polyline {
             dash.push(self.points[0], self.smooth[0]);
         }
         for i in 0..self.headings.len() {
-            let length = self.points[i].distance(self.points[(i + 1) % self.points.len()]);
+            let length = self.length(i);
             let (mut gone, mut part) = (0.0, 0.0);
-            while gone + left < length {
-                gone += left;
+            while gone + left < length - nothing {
+                let goes_on = left > nothing || pattern[at] <= nothing;
+                gone += left.max(0.0);
                 let cut = gone / length;
                 if at % 2 == 0 {
-                    self.copy_part(i, part, cut, &mut dash);
+                    if goes_on {
+                        self.copy_part(i, part, cut, &mut dash);
+                    }
                     dashes.push(std::mem::take(&mut dash));
                 } else {
                     self.copy_part(i, cut, cut, &mut dash);
@@ -203,7 +213,6 @@ impl Polyline {
                 }
                 *first = last;
             }
-            None if self.closed && begins_inked => dashes.push(self.clone()),
             _ => dashes.push(last),
         }
     }
