@@ -12,8 +12,8 @@ use crate::edges::{round, Edge, BAND_ROWS, FRACTION_BITS, ONE};
 /// No piece.
 pub(crate) const NO_PIECE: u32 = u32::MAX;
 
-/// The part of an edge in one pixel, in fixed point from the pixel's top left corner, 0 ..= ONE.
-/// Like its edge it runs from the upper end to the lower (from left to right when horizontal).
+/// The part of an edge in one pixel, in fixed point from the pixel's top left corner, 0 ..= ONE; none lies on the
+/// pixel's lower border. Like its edge it runs from the upper end to the lower (from left to right when horizontal).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Piece {
     pub x0: u16,
@@ -375,9 +375,13 @@ impl<B: Bins> Clipper<'_, B> {
         self.winding = -self.winding;
     }
 
-    /// Hands on a piece: its ends from the pixel's top left corner, and where it crosses the left border.
+    /// Hands on a piece: its ends from the pixel's top left corner, and where it crosses the left border. What rounding
+    /// has put on the strip's lower border bounds nothing inside.
     #[inline(always)]
     fn put(&mut self, pixel: i32, ends: [i32; 4], crosses_left: CrossesLeft) {
+        if ends[1] == ONE {
+            return;
+        }
         if pixel < 0 {
             self.bins.left_of_picture(self.row, (ends[1], ends[3]), self.winding);
         } else if pixel < self.width {

@@ -6,6 +6,7 @@
 //! it is looked up where a border begins, and once more behind each such point.
 
 use super::fragment::{interiors_meet, joint, shared_ends, PieceSteps};
+use crate::edges::ONE;
 use crate::strips::{Piece, NO_PIECE};
 
 /// More pieces than this are not searched for crossings pair by pair.
@@ -58,6 +59,7 @@ impl Certifier {
             next = piece.next;
             self.steps.extend(base.step(piece).map(|(y, step)| (i32::from(y), step)));
             let ends = [piece.x0, piece.y0, piece.x1, piece.y1].map(i32::from);
+            debug_assert_ne!(ends[1], ONE, "below a piece on the lower border nothing is known");
             if (ends[0], ends[1]) != (ends[2], ends[3]) {
                 self.lines.push(Line { ends, winding: piece.winding.into() });
             }

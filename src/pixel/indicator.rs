@@ -103,7 +103,8 @@ impl Cleaner {
         }
         clean.cover_left += inside * (ONE - from);
         let mut area = i64::from(clean.cover_left) * i64::from(2 * ONE);
-        for (i, part) in self.parts.pieces.iter().enumerate() {
+        // A part on the lower border bounds nothing inside.
+        for (i, part) in self.parts.pieces.iter().enumerate().filter(|(_, part)| i32::from(part.y0) < ONE) {
             let left = self.parts.winding_left_of_piece(i);
             let change = i32::from(rule.inside(left + part.winding)) - i32::from(rule.inside(left));
             if change != 0 {

@@ -126,3 +126,26 @@ fn a_chequerboard_of_fractional_cells_in_one_colour_shows_no_seam() {
     let picture = render(&svg(32, 32, &body));
     assert!(picture.data().chunks(4).all(|p| p == [0x22, 0x88, 0xaa, 255]), "a seam");
 }
+
+#[test]
+fn what_rounding_lays_on_a_pixel_s_lower_border_bounds_nothing() {
+    // Two borders down one pixel, the second within the first and ending on the lower border, from where a nearly
+    // level one goes on to the right, so little upwards that in this pixel it is rounded to the border.
+    let unit = 1.0 / 16384.0;
+    for i in 0..200 {
+        let i = f64::from(i);
+        let (x0, x1) = (0.02 + 0.002 * i, 0.3 + 0.003 * i);
+        let (inner0, inner1) = (0.5 + 0.002 * i, 0.92 + 0.0003 * i);
+        let outer = [[x0, 0.0], [x1.min(inner1 - 0.01), 1.0], [6.0, 1.0], [6.0, 0.0]];
+        let knee = [0.6 * inner0 + 0.4 * inner1, 0.45];
+        let inner = [[inner0, 0.0], knee, [inner1, 1.0], [4.0, 1.0 - (1.0 + i % 20.0) * unit], [4.0, 0.0]];
+        let path = rings(&[outer.to_vec(), inner.to_vec()]);
+        let picture = render(&white_on_black(8, 2, &path, ""));
+        let covered = 1.0 - 0.5 * (outer[0][0] + outer[1][0]);
+        assert_levels(
+            picture.pixel(0, 0),
+            [255.0 * covered, 255.0 * covered, 255.0 * covered, 255.0],
+            STRAIGHT,
+        );
+    }
+}
