@@ -220,4 +220,40 @@ mod tests {
             }
         }
     }
+    fn dashes_of(path: &str, pattern: [f64; 2], offset: f64) -> String {
+        let style: StrokeStyle = Stroke::new(1.0).with_caps(Cap::Round).with_dashes(offset, pattern).into();
+        super::dashed(&BezPath::from_svg(path).expect("a path"), &style).expect("dashes").to_svg()
+    }
+
+    #[test]
+    fn dashes_begin_and_end_where_the_pattern_says() {
+        assert_eq!(dashes_of("M0 0H8", [3.0, 2.0], 0.0), "M0,0 L3,0 M5,0 L8,0");
+        assert_eq!(dashes_of("M0 0H8", [3.0, 2.0], 1.0), "M0,0 L2,0 M4,0 L7,0");
+        assert_eq!(dashes_of("M0 0H8", [3.0, 2.0], -1.0), "M1,0 L4,0 M6,0 L8,0");
+        // Where a dash ends, none begins; nor at the end of the path.
+        assert_eq!(dashes_of("M0 0H9", [3.0, 3.0], 3.0), "M3,0 L6,0");
+        assert_eq!(dashes_of("M0 0H6", [3.0, 3.0], 0.0), "M0,0 L3,0");
+        // At a corner a dash ends before it, and begins behind it.
+        assert_eq!(dashes_of("M0 0H3V8", [3.0, 2.0], 0.0), "M0,0 L3,0 M3,2 L3,5 M3,7 L3,8");
+        assert_eq!(dashes_of("M0 0H5V8", [3.0, 2.0], 0.0), "M0,0 L3,0 M5,0 L5,3 M5,5 L5,8");
+        // What has no length counts for nothing.
+        for nothing in ["L0 0", "Q0 0 0 0", "C0 0 0 0 0 0"] {
+            assert_eq!(dashes_of(&format!("M0 0{nothing}H8"), [3.0, 2.0], 0.0), "M0,0 L3,0 M5,0 L8,0");
+        }
+    }
+
+    #[test]
+    fn dashes_that_meet_in_the_seam_are_one() {
+        assert_eq!(dashes_of("M0 0H4V4H0z", [6.0, 4.0], 0.0), "M2,4 L0,4 L0,0 L4,0 L4,2");
+        assert_eq!(dashes_of("M0 0H4V4H0z", [6.0, 2.0], 0.0), "M0,0 L4,0 L4,2 M4,4 L0,4 L0,2");
+        assert_eq!(dashes_of("M0 0H4V4H0z", [20.0, 2.0], 0.0), "M0,0 L4,0 L4,4 L0,4 L0,0");
+    }
+
+    #[test]
+    fn a_dash_of_no_length_is_a_dot_that_moves_nothing() {
+        let dots = dashes_of("M0 0H6V9", [0.0, 3.0], 0.0);
+        let begins: Vec<&str> = dots.split('M').map(|dot| dot.split(' ').next().expect("a point")).collect();
+        assert_eq!(begins, ["", "0,0", "3,0", "6,0", "6,3", "6,6"]);
+        assert_eq!(dots.matches('L').count(), 5);
+    }
 }
