@@ -1,7 +1,7 @@
 //! Takes a path, makes its dashes (SVG 2, 13.5.6).
 //!
 //! kurbo makes dashes, too, but where a curve has no length, where a pattern begins just where a dash ends, and
-//! where a sub-path is closed by a line, it lets dashes out or adds some.
+//! where a dash touches a corner or a seam, it leaves dashes out or adds some.
 
 use crate::scene::StrokeStyle;
 use kurbo::{BezPath, Cap, Line, ParamCurve, ParamCurveArclen, PathEl, PathSeg, Point};
