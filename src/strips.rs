@@ -89,7 +89,7 @@ impl<C: Clone + Default, L: Default> Buckets<C, L> {
     }
 
     /// The cell of a pixel, in use from now on, and whether the pixel is `finished`. Finished pixels side by
-    /// side have one cell, the first one's: where among them a shape goes on is not asked for.
+    /// side, of one word, have one cell, the first one's: where among them a shape goes on is not asked for.
     #[inline(always)]
     pub fn touch(&mut self, row: usize, pixel: usize, finished: &Bitmap) -> (&mut C, bool) {
         let (word, bit) = (row * finished.words() + pixel / 64, 1 << (pixel % 64));
