@@ -13,6 +13,10 @@ const NO_LENGTH: f64 = 1e-6;
 /// whether there is a little more of it behind the corner would be a matter of rounding.
 const NEGLIGIBLE: f64 = 1e-6;
 
+/// A gap before the seam of a closed sub-path that is no wider than this, as a share of the pen's width, is none: who
+/// gives a ring one dash of its circumference wants it whole, and the cubics that stand for a circle are a little longer.
+const NO_GAP: f64 = 0.01;
+
 /// How well curves are measured, as a share of the path's length.
 const ACCURACY: f64 = 1e-9;
 
@@ -34,7 +38,8 @@ pub(super) fn dashed(path: &BezPath, style: &StrokeStyle) -> Option<BezPath> {
         return None;
     }
     let dot = if style.start_cap == Cap::Butt { 0.0 } else { NO_LENGTH * style.width };
-    let pattern = Pattern { dashes, period, offset: style.dash_offset, dot, accuracy: ACCURACY * length };
+    let (no_gap, accuracy) = (NO_GAP * style.width, ACCURACY * length);
+    let pattern = Pattern { dashes, period, offset: style.dash_offset, dot, no_gap, accuracy };
     let mut dashed = Vec::new();
     for sub_path in path.elements().chunk_by(|_, next| !matches!(next, PathEl::MoveTo(_))) {
         let segments = kurbo::segments(sub_path.iter().copied());
@@ -53,6 +58,8 @@ struct Pattern {
     offset: f64,
     /// A dash shorter than this is drawn so long, for its caps want a direction.
     dot: f64,
+    /// A gap of this length before a seam is none.
+    no_gap: f64,
     accuracy: f64,
 }
 
@@ -139,7 +146,19 @@ impl Pattern {
                 dashed.push(part(segment, from, 1.0));
             }
         }
-        if let Some(first_end) = first_end.filter(|_| is_closed && begins_inked && place.is_inked()) {
+        if !(is_closed && begins_inked) {
+            return;
+        }
+        let is_gap = !place.is_inked();
+        if is_gap && self.dashes[place.at] - place.left > self.no_gap {
+            return;
+        }
+        if is_gap {
+            dashed.push(PathEl::LineTo(first_segment.segment.start()));
+        }
+        let is_last =
+            |end: &usize| dashed[*end..].iter().all(|element| !matches!(element, PathEl::MoveTo(_)));
+        if let Some(first_end) = first_end.filter(|end| !is_last(end)) {
             // The first dash goes on where the last one ends.
             dashed[first..].rotate_left(first_end - first);
             let again = dashed.len() - (first_end - first);
@@ -247,6 +266,13 @@ mod tests {
         assert_eq!(dashes_of("M0 0H4V4H0z", [6.0, 4.0], 0.0), "M2,4 L0,4 L0,0 L4,0 L4,2");
         assert_eq!(dashes_of("M0 0H4V4H0z", [6.0, 2.0], 0.0), "M0,0 L4,0 L4,2 M4,4 L0,4 L0,2");
         assert_eq!(dashes_of("M0 0H4V4H0z", [20.0, 2.0], 0.0), "M0,0 L4,0 L4,4 L0,4 L0,0");
+        // A gap too thin to be meant is closed.
+        assert_eq!(
+            dashes_of("M0 0H4V4H0z", [15.99609375, 2.0], 0.0),
+            "M0,0 L4,0 L4,4 L0,4 L0,0.00390625 L0,0"
+        );
+        assert_eq!(dashes_of("M0 0H4V4H0z", [6.0, 3.995], 0.0).matches('M').count(), 1);
+        assert_eq!(dashes_of("M0 0H4V4H0z", [15.984375, 2.0], 0.0), "M0,0 L4,0 L4,4 L0,4 L0,0.015625");
     }
 
     #[test]

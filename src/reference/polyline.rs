@@ -130,8 +130,9 @@ impl Polyline {
     }
 
     /// The dashes of the line: `pattern` is dash, gap, dash, gap ... and begins `offset` before the
-    /// line does. In a closed line the last dash and the first are one where they meet. A line of no length has none.
-    pub(super) fn dashes(&self, pattern: &[f64], offset: f64) -> Vec<Polyline> {
+    /// line does. In a closed line the last dash and the first are one where they meet, or nearly so, but for `no_gap`. A
+    /// line of no length has none.
+    pub(super) fn dashes(&self, pattern: &[f64], offset: f64, no_gap: f64) -> Vec<Polyline> {
         let period: f64 = pattern.iter().sum();
         if period.is_nan() || period <= 0.0 || !pattern.len().is_multiple_of(2) {
             return vec![self.clone()];
@@ -176,6 +177,14 @@ impl Polyline {
             left -= length - gone;
             if at % 2 == 0 {
                 self.copy_part(i, part, 1.0, &mut dash);
+            }
+        }
+        let closes = self.closed && begins_inked && at % 2 == 1 && pattern[at] - left <= no_gap;
+        if let Some(mut last) = dashes.pop_if(|_| closes) {
+            last.push(self.points[0], false);
+            match dashes.is_empty() {
+                true => dashes.push(last),
+                false => dash = last,
             }
         }
         self.join_at_seam(begins_inked, dash, &mut dashes);

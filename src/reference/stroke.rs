@@ -48,7 +48,7 @@ fn lines<'a>(path: &BezPath, style: &'a Style, tolerance: f64) -> impl Iterator<
         if style.line.dash_pattern.is_empty() {
             vec![line]
         } else {
-            line.dashes(&style.line.dash_pattern, style.line.dash_offset)
+            line.dashes(&style.line.dash_pattern, style.line.dash_offset, 0.01 * style.line.width)
         }
     })
 }
