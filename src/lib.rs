@@ -113,6 +113,9 @@ pub mod compare;
 
 mod bitmap;
 
+#[cfg(test)]
+mod random;
+
 pub use effects::highlights::Highlights;
 pub use effects::log::{EffectRuns, LitSurface};
 pub use error::Error;

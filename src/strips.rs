@@ -201,9 +201,9 @@ fn clip_to_strips<B: Bins>(edge: &Edge, place: BandPlace, width: usize, bins: &m
         return;
     }
     let row_at = |y: i32| ((y - top) >> FRACTION_BITS) as usize;
-    let rows = (row_at(start), row_at(end - 1));
-    if let Some(pixel) = hidden_at(edge, rows, width, bins.finished()) {
-        for row in rows.0..=rows.1 {
+    let (first, last) = (row_at(start), row_at(end - 1));
+    if let Some(pixel) = hidden_at(edge, (first, last), width, bins.finished()) {
+        for row in first..=last {
             let row_top = top + ((row as i32) << FRACTION_BITS);
             let ends = [0, (start - row_top).max(0), 0, (end - row_top).min(ONE)];
             bins.put(row, pixel, ends, edge.winding, CrossesLeft::No);
@@ -433,6 +433,7 @@ impl Bins for Filer<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::random::Random;
 
     const WIDTH: usize = 150;
 
@@ -462,11 +463,8 @@ mod tests {
     /// Whatever is finished, the other pixels know as much of the edges as if nothing were.
     #[test]
     fn finished_pixels_keep_nothing_from_the_others() {
-        let mut state = 1u64;
-        let mut random = |below: u64| {
-            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            (state >> 33) % below
-        };
+        let mut numbers = Random::new(1);
+        let mut random = |below: u64| numbers.below(below);
         let place = BandPlace { top: 8, count: 7 };
         let nothing = Bitmap::new(WIDTH, BAND_ROWS as usize);
         for _ in 0..2000 {

@@ -1,10 +1,7 @@
-//! Every drawing among the samples that the truth can draw, and a few small ones, is within its bounds; wide pens on tight
-//! curves are near it. (A whole folder of drawings: `cargo run --release --example corpus_check -- DIR`.)
-
-mod support;
+//! Every drawing among the samples that the truth can draw, and a few small ones, is within its bounds. (A whole folder
+//! of drawings: `cargo run --release --example corpus_check -- DIR`.)
 
 use std::path::Path;
-use support::Rng;
 use toon_raster::reference::{self, Bounds};
 use toon_raster::{Renderer, Scene, Settings, Viewport};
 
@@ -134,74 +131,4 @@ fn thin_strips_and_needles_are_within_the_bounds() {
         })
         .collect();
     assert_within_bounds("strips", &strips);
-}
-
-/// Points on a coarse grid: lines that lie on one another, turn back, go nowhere or end where a dash does.
-#[test]
-fn strokes_on_a_coarse_grid_are_the_truth() {
-    const LEVELS: f64 = 1.0;
-    let mut rng = Rng::new(5);
-    let mut body = String::new();
-    for place in 0..400 {
-        let steps = [2.0, 3.0, 5.0][place % 3];
-        let mut at = || format!("{:.4}", 6.0 + 20.0 / steps * rng.below(steps as u64 + 1) as f64);
-        let mut point = || format!("{} {}", at(), at());
-        let mut path = format!("M{}", point());
-        for step in 0..1 + place % 5 {
-            path += &match (place + 3 * step) % 7 {
-                0 => "z".to_owned(),
-                1 => format!("zM{}L{}", point(), point()),
-                2 => "q0 0 0 0".to_owned(),
-                _ => format!("L{}", point()),
-            };
-        }
-        let mut one_of = |values: &[&'static str]| values[rng.below(values.len() as u64) as usize];
-        let dashes = one_of(&["none", "none", "4 2", "0 5", "3", "10 20", "5 0", "20 1 3", "6 4"]);
-        let offset = one_of(&["0", "0", "3", "-4"]);
-        let (cap, join) = (one_of(&["butt", "round", "square"]), one_of(&["miter", "round", "bevel"]));
-        let (width, limit) = (one_of(&["0.5", "1", "2", "3", "6", "8"]), one_of(&["4", "10", "1.2"]));
-        let turn = one_of(&["", "rotate(45 16 16)", "rotate(90 16 16)", "rotate(17.3 16 16)", "scale(1 .5)"]);
-        let (x, y) = (place % 20 * 32, place / 20 * 32);
-        body += &format!(
-            "<path transform='translate({x} {y}) {turn}' d='{path}' stroke-width='{width}' stroke-linecap='{cap}'
-                stroke-linejoin='{join}' stroke-miterlimit='{limit}' stroke-dasharray='{dashes}'
-                stroke-dashoffset='{offset}'/>"
-        );
-    }
-    let difference = difference_of_strokes(640, &body);
-    assert!(difference.max <= LEVELS, "{difference:?}");
-}
-
-/// Cubics that turn in less room than the pen has, up to cusps: one of its ends goes backwards there.
-#[test]
-fn wide_pens_on_tight_curves_are_near_the_truth() {
-    const LEVELS: f64 = 1.5;
-    let mut rng = Rng::new(11);
-    let mut body = String::new();
-    for place in 0..64 {
-        let middle = [place % 8, place / 8].map(|at| f64::from(at) * 24.0 + 12.0);
-        let reach = [0.3, 1.0, 2.0, 5.0][place as usize % 4];
-        let mut point = || middle.map(|at| format!("{:.4}", at + rng.between(-reach, reach))).join(" ");
-        let path = format!("M{}C{} {} {}", point(), point(), point(), point());
-        body += &format!("<path d='{path}' stroke-width='{:.2}'/>", rng.between(4.0, 10.0));
-    }
-    let difference = difference_of_strokes(192, &body);
-    assert!(difference.max <= LEVELS, "{difference:?}");
-}
-
-/// How far the renderer is from the truth on black strokes, in a square picture.
-fn difference_of_strokes(side: u32, body: &str) -> reference::Difference {
-    let svg = format!(
-        "<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 {side} {side}'><g fill='none' stroke='#000'>{body}</g></svg>"
-    );
-    let tree = usvg::Tree::from_str(&svg, &usvg::Options::default()).expect("valid SVG");
-    let scene = Scene::from_tree(&tree).expect("a scene");
-    let viewport = Viewport::fit(&scene, side, side);
-    // Finer, and many pixels have more pieces than the truth takes exactly.
-    let options = reference::Options { tolerance: 1e-3, ..Default::default() };
-    let truth = reference::render(&tree, &viewport, &options).expect("a picture");
-    let picture = Renderer::new(Settings::default()).expect("settings").render(&scene, &viewport);
-    let difference = truth.compare(&picture.expect("a picture"));
-    println!("{} pixels approximate, {difference:.3?}", truth.approximate);
-    difference
 }

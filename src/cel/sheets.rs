@@ -153,6 +153,7 @@ fn for_each(starts: u64, (a, b): (usize, usize), mut take: impl FnMut(usize, usi
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::random::Random;
 
     /// What is the same is one run, and what was split stays what it was.
     #[test]
@@ -164,11 +165,8 @@ mod tests {
         sheets.fill((1, 0), (0, 64), Sheet::CLEAR);
         sheets.fill((0, 1), (0, 36), Sheet::CLEAR);
         sheets.fill((1, 1), (0, 36), Sheet::CLEAR);
-        let mut state = 1u64;
-        let mut random = |below: u64| {
-            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            (state >> 33) % below
-        };
+        let mut numbers = Random::new(1);
+        let mut random = |below: u64| numbers.below(below);
         for step in 0..2000 {
             let (row, word) = (random(2) as usize, random(2) as usize);
             let columns = if word == 0 { 64 } else { 36 };

@@ -119,14 +119,12 @@ impl<B: Bits> Windings<B> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::random::Random;
 
     #[test]
     fn windings_are_sums_whatever_was_added_in_whatever_order() {
-        let mut state = 1u64;
-        let mut random = || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            state >> 33
-        };
+        let mut numbers = Random::new(1);
+        let mut random = || numbers.bits();
         for round in 0..200 {
             let mut windings = Windings::<u16>::default();
             let mut sums = [0i32; 16];

@@ -272,12 +272,8 @@ const SAME_POINT: f64 = 1e-9;
 fn without_noise([p0, p1, p2, p3]: [Point; 4]) -> [Point; 4] {
     let size = [p1, p2, p3].iter().fold(0.0, |size: f64, p| size.max((*p - p0).hypot2()));
     let is_near = |a: Point, b: Point| (a - b).hypot2() <= SAME_POINT * SAME_POINT * size;
-    let placed = |p: Point, near: Point, far: Point| match () {
-        () if is_near(p, near) => near,
-        () if is_near(p, far) => far,
-        () => p,
-    };
-    [p0, placed(p1, p0, p3), placed(p2, p3, p0), p3]
+    let placed = |p: Point, ends: [Point; 2]| ends.into_iter().find(|&end| is_near(p, end)).unwrap_or(p);
+    [p0, placed(p1, [p0, p3]), placed(p2, [p3, p0]), p3]
 }
 
 /// No less than the angle between two vectors.

@@ -8,6 +8,7 @@ use super::split::Integrator;
 use crate::bitmap::Bitmap;
 use crate::coverage::BandPlace;
 use crate::edges::{EdgeList, BAND_ROWS};
+use crate::random::Random;
 use crate::scene::FillRule;
 use crate::strips::{Buckets, Piece};
 use crate::zlist::Borders;
@@ -23,12 +24,12 @@ const MIDDLE: usize = 2;
 /// unit, 1/32768 of a pixel: this is room for some of them, and a twentieth of an 8-bit level.
 const TOLERANCE: i64 = PIXEL_AREA / 5_000;
 
-struct Random(u64);
+/// Points and polygons from a fixed sequence.
+struct Shapes(Random);
 
-impl Random {
+impl Shapes {
     fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 33) as f64 / (1u64 << 31) as f64
+        self.0.bits() as f64 / (1u64 << 31) as f64
     }
 
     /// In and around the middle pixel; on a coarse grid every second time, for coincidences.
@@ -123,7 +124,7 @@ fn raw_area(set: &PieceSet, rule: FillRule) -> Option<i64> {
 
 #[test]
 fn the_area_of_one_fragment_is_what_the_recursion_finds() {
-    let mut random = Random(1);
+    let mut random = Shapes(Random::new(1));
     let (mut parts, mut crossing) = (0, 0);
     for round in 0..6000 {
         let mut pixel = Pixel::default();
@@ -147,7 +148,7 @@ fn the_area_of_one_fragment_is_what_the_recursion_finds() {
 
 #[test]
 fn regions_of_few_fragments_are_those_of_the_recursion() {
-    let mut random = Random(2);
+    let mut random = Shapes(Random::new(2));
     let mut used = [0; 5];
     for round in 0..8000 {
         let mut pixel = Pixel::default();
@@ -175,7 +176,7 @@ fn regions_of_few_fragments_are_those_of_the_recursion() {
 
 #[test]
 fn sums_along_borders_are_the_regions_of_the_recursion() {
-    let mut random = Random(3);
+    let mut random = Shapes(Random::new(3));
     let mut used = 0;
     for round in 0..6000 {
         let mut pixel = Pixel::default();
@@ -206,7 +207,7 @@ fn sums_along_borders_are_the_regions_of_the_recursion() {
 
 #[test]
 fn fragments_that_pass_the_partition_test_overlap_nowhere_and_leave_nothing() {
-    let mut random = Random(4);
+    let mut random = Shapes(Random::new(4));
     let mut tiled = 0;
     for round in 0..3000 {
         // A fan of triangles about a point of the pixel, wider than the pixel.
@@ -239,7 +240,7 @@ fn fragments_that_pass_the_partition_test_overlap_nowhere_and_leave_nothing() {
 
 #[test]
 fn sampling_errs_by_less_than_a_line_a_border() {
-    let mut random = Random(5);
+    let mut random = Shapes(Random::new(5));
     for round in 0..2000 {
         let mut pixel = Pixel::default();
         pixel.add(&random.polygon(3 + round % 5, false), FillRule::NonZero);

@@ -130,7 +130,7 @@ impl Polyline {
     }
 
     /// The dashes of the line: `pattern` is dash, gap, dash, gap ... and begins `offset` before the
-    /// line does. In a closed line the last dash and the first are one where they meet, or nearly so, but for `no_gap`. A
+    /// line does. In a closed line the last dash and the first are one where they meet, or come as near as `no_gap`. A
     /// line of no length has none.
     pub(super) fn dashes(&self, pattern: &[f64], offset: f64, no_gap: f64) -> Vec<Polyline> {
         let period: f64 = pattern.iter().sum();

@@ -40,6 +40,9 @@ pub(super) fn outline(
     transform * outline
 }
 
+/// A closed sub-path has no gap before its seam that is thinner than this, as a share of the pen's width.
+const NO_GAP: f64 = 0.01;
+
 /// The sub-paths, or their dashes.
 fn lines<'a>(path: &BezPath, style: &'a Style, tolerance: f64) -> impl Iterator<Item = Polyline> + 'a {
     // Dashes are measured along the chords, and where one ends its direction lies between those of the chord's ends.
@@ -48,7 +51,7 @@ fn lines<'a>(path: &BezPath, style: &'a Style, tolerance: f64) -> impl Iterator<
         if style.line.dash_pattern.is_empty() {
             vec![line]
         } else {
-            line.dashes(&style.line.dash_pattern, style.line.dash_offset, 0.01 * style.line.width)
+            line.dashes(&style.line.dash_pattern, style.line.dash_offset, NO_GAP * style.line.width)
         }
     })
 }

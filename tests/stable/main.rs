@@ -14,7 +14,7 @@ mod thin;
 use std::time::{Duration, Instant};
 use support::*;
 use toon_raster::reference;
-use toon_raster::{Error, Options, Pixmap, Scene, Settings, Viewport};
+use toon_raster::{Error, Options, Pixmap, Renderer, Scene, Settings, Viewport};
 
 /// Farthest a level may be off where hundreds of pieces cross in one pixel and the renderer may
 /// fall back from its recursion to samples.
